@@ -25,11 +25,7 @@ Array = NDArray[np.float64]
 
 
 def check_arm(arm: Any, error: type[SrsIkError] = InvalidRobot) -> None:
-    """Refuse what is no arm, such as its name or its file, before anything is asked of it.
-
-    Raises:
-        error: it is none.
-    """
+    """Raise the error for what is no arm, such as its name or its file, before anything is asked of it."""
     if not isinstance(arm, ChainKinematics):
         hint = "; load it first" if isinstance(arm, str | os.PathLike) else ""
         raise error(f"an arm is what srs_ik.load gives, not {quoted(arm)}{hint}")
@@ -215,11 +211,7 @@ class ChainKinematics(Fixed):
 
 
 def _finite(configuration: ArrayLike, model: Any) -> Array:
-    """A configuration (model.nq,) as a new array of floats.
-
-    Raises:
-        InvalidConfiguration: another size, or not finite numbers.
-    """
+    """A configuration (model.nq,) as a new array of floats; raises InvalidConfiguration for anything else."""
     try:
         values = real_array(configuration)
     except (TypeError, ValueError):

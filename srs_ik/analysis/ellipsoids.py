@@ -262,11 +262,7 @@ def force_velocity_ratio(J: ArrayLike, force: ArrayLike, velocity: ArrayLike) ->
 
 
 def rows_of(part: str) -> slice:
-    """The rows of a Jacobian that a part is made of.
-
-    Raises:
-        InvalidTask: there is no such part.
-    """
+    """The rows of a Jacobian that a part is made of; raises InvalidTask where there is no such part."""
     if not isinstance(part, str) or part not in _ROWS:
         raise InvalidTask(f"part is 'linear', 'angular' or 'full', not {quoted(part)}")
     return _ROWS[part]

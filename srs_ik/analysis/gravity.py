@@ -20,12 +20,8 @@ Array = NDArray[np.float64]
 def gravity_torque(arm: ChainKinematics, otherwise: str) -> Callable[[Array], Array]:
     """The function of seven joint angles (7,) that gives the joint torques (7,) which hold the arm up, N m.
 
-    Args:
-        arm: the arm.
-        otherwise: what to do without masses, for the message.
-
     Raises:
-        InvalidTask: the arm's description has no masses.
+        InvalidTask: the arm's description has no masses; the message says what to do otherwise.
     """
     require_masses(arm, otherwise)
     model, data = arm.model, arm.model.createData()

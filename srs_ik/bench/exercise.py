@@ -26,9 +26,7 @@ Call = Callable[[], Any]
 def calls(arm: srs_ik.Arm, count: int = POSES) -> dict[str, Call]:
     """Calls without arguments, by name; the first is the first that most programs make.
 
-    Args:
-        arm: the arm; its posture at (0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2) is where they begin.
-        count: poses of batches and of the path.
+    Batches and the path have `count` poses; all begin at the posture (0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2).
     """
     q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
     pose = arm.forward_kinematics(q)

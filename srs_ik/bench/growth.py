@@ -26,23 +26,15 @@ LONG = 1_000_000
 
 @dataclass(frozen=True)
 class Growth:
-    """One `solve_batch` at given arm angles.
+    """One `solve_batch` at given arm angles."""
 
-    Attributes:
-        robot: name of the robot.
-        poses: poses in the batch.
-        threads: threads it was given.
-        us: time a pose, microseconds; the least of some calls where they are short.
-        answers_mb: size of the answers, megabytes; None where memory is not measured.
-        memory_mb: most memory that the process held during the call beyond what it had before, megabytes. The answers
-            are in it; poses and arm angles were there before, and a copy of them would show.
-    """
-
-    robot: str
-    poses: int
-    threads: int
-    us: float
-    answers_mb: float | None = None
+    robot: str  # name of the robot
+    poses: int  # poses in the batch
+    threads: int  # threads it was given
+    us: float  # time a pose, microseconds; the least of some calls where they are short
+    answers_mb: float | None = None  # size of the answers, megabytes; None where memory is not measured
+    # most memory that the process held during the call beyond what it had before, megabytes. The answers are in it;
+    # poses and arm angles were there before, and a copy of them would show.
     memory_mb: float | None = None
 
 

@@ -23,21 +23,13 @@ LONGEST = 5e5
 
 @dataclass(frozen=True)
 class Batch:
-    """One batch call.
+    """One batch call."""
 
-    Attributes:
-        robot: name of the robot.
-        call: what was called.
-        poses: poses in the batch.
-        one_thread_us: time a pose on one thread, microseconds, the best of `REPEATS`.
-        two_threads_us: the same on two threads.
-    """
-
-    robot: str
-    call: str
-    poses: int
-    one_thread_us: float
-    two_threads_us: float
+    robot: str  # name of the robot
+    call: str  # what was called
+    poses: int  # poses in the batch
+    one_thread_us: float  # time a pose on one thread, microseconds, the best of `REPEATS`
+    two_threads_us: float  # the same on two threads
 
 
 def single_calls(arm: Arm, work: Work) -> Iterator[Timed]:

@@ -25,33 +25,20 @@ OUTSIDE = 1e-9
 
 @dataclass(frozen=True)
 class Timed:
-    """Single calls of one function, one for each pose.
+    """Single calls of one function, one for each pose."""
 
-    Attributes:
-        robot: name of the robot.
-        package: name and version.
-        call: what was called.
-        median_us: median time of a call, microseconds.
-        p99_us: 99th percentile.
-        poses: poses asked for.
-        answered: poses with an answer, by the package's own word.
-        error: largest error of all answers, the larger of m and rad, by Pinocchio; None where there are no postures.
-        inside: poses with an answer inside the limits; None where there are no postures.
-        farther: answers farther from the seed than the known posture; None without seeds.
-        found: postures or intervals that were found, over all poses.
-    """
-
-    robot: str
-    package: str
-    call: str
-    median_us: float
-    p99_us: float
-    poses: int
-    answered: int
+    robot: str  # name of the robot
+    package: str  # name and version
+    call: str  # what was called
+    median_us: float  # median time of a call, microseconds
+    p99_us: float  # 99th percentile
+    poses: int  # poses asked for
+    answered: int  # poses with an answer, by the package's own word
+    # largest error of all answers, the larger of m and rad, by Pinocchio; None where there are no postures
     error: float | None
-    inside: int | None
-    farther: int | None
-    found: int
+    inside: int | None  # poses with an answer inside the limits; None where there are no postures
+    farther: int | None  # answers farther from the seed than the known posture; None without seeds
+    found: int  # postures or intervals that were found, over all poses
 
 
 def time_calls(call: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> tuple[Array, list[Any]]:
@@ -80,16 +67,10 @@ def measure(
     postures: Callable[[Any], Any] | None,
     near: tuple[Array, Array] | None = None,
 ) -> Timed:
-    """Time a function on the arguments of each call, whose first is the pose.
+    """Time a function on the arguments of each call, whose first is the pose; the arm measures the errors.
 
-    Args:
-        arm: measures the errors.
-        package: name of the distribution.
-        name: what to call it.
-        call: the function.
-        arguments: those of each call.
-        postures: the (k, 7) postures of an answer; None where answers are lists of something else.
-        near: (N, 7) known postures and (N, 7) seeds, where the answer is to be near the seed.
+    `postures` gives the (k, 7) postures of an answer, None where answers are lists of something else; `near` are (N, 7)
+    known postures and (N, 7) seeds, where the answer is to be near the seed.
     """
     times, answers = time_calls(call, arguments)
     median, p99 = np.percentile(times, [50.0, 99.0]).tolist()

@@ -17,19 +17,12 @@ SEED_SPREAD = 0.02
 
 @dataclass(frozen=True)
 class Work:
-    """Poses of random configurations inside the limits, and what the calls take along.
+    """Poses of random configurations inside the limits, and what the calls take along."""
 
-    Attributes:
-        q: (N, 7) configurations, rad.
-        poses: (N, 4, 4) their poses.
-        arm_angles: (N,) their arm angles, rad.
-        seeds: (N, 7) configurations near them, inside the limits, rad.
-    """
-
-    q: Array
-    poses: Array
-    arm_angles: Array
-    seeds: Array
+    q: Array  # (N, 7) configurations, rad
+    poses: Array  # (N, 4, 4) their poses
+    arm_angles: Array  # (N,) their arm angles, rad
+    seeds: Array  # (N, 7) configurations near them, inside the limits, rad
 
     @staticmethod
     def of(arm: Arm, count: int) -> Work:

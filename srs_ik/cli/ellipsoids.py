@@ -57,8 +57,7 @@ def ellipsoids(
         Three | None, typer.Option(metavar="X Y Z", help="Also the transmission ratios along this direction.")
     ] = None,
     polytopes: Annotated[
-        bool,
-        typer.Option("--polytopes", help="Also the polytopes within the arm's own limits (extra 'polytopes')."),
+        bool, typer.Option("--polytopes", help="Also the polytopes within the arm's own limits (extra 'polytopes').")
     ] = False,
     no_gravity: Annotated[
         bool, typer.Option("--no-gravity", help="Leave the arm's own weight out of the force polytope.")

@@ -72,12 +72,10 @@ def _parts(T: np.ndarray) -> tuple[list[float], list[float]]:
 
 
 def _print_json(arm: Arm, configurations: np.ndarray, poses: np.ndarray, many: bool) -> None:
-    from srs_ik.cli.render import print_json
+    from srs_ik.cli.render import heading, print_json
 
-    answer = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joint_names": list(arm.joint_names)}
-    print_json(
-        {**answer, "q": configurations if many else configurations[0], "T_base_tip": poses if many else poses[0]}
-    )
+    q, T = (configurations, poses) if many else (configurations[0], poses[0])
+    print_json({**heading(arm), "q": q, "T_base_tip": T})
 
 
 def _print_table(arm: Arm, poses: np.ndarray) -> None:

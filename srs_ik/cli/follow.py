@@ -10,18 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import freedom
-from srs_ik.cli.options import (
-    AllowXacro,
-    AsJson,
-    Base,
-    Limb,
-    Seven,
-    Source,
-    Tip,
-    WrongInput,
-    is_number,
-    numbers,
-)
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail, is_number, numbers
 from srs_ik.cli.pose_file import read_targets, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.waiting import counted
@@ -112,8 +101,7 @@ def follow(
     else:
         _print_table(arm, tracker, steps)
     if not steps[-1]:
-        typer.echo(f"srs-ik: {poses}, last line: {steps[-1].message}", err=True)
-        raise typer.Exit(1)
+        fail(f"{poses}, last line: {steps[-1].message}")
 
 
 def _elbow(word: str, unit: float) -> str | float:
@@ -133,15 +121,8 @@ def _start(arm: Arm, targets: list[Any], free: FreeAxis | None) -> Any:
 def _write(path: Path, arm: Arm, steps: list[TrackerStep], period: float) -> None:
     header = ("t", *arm.joint_names, "status", "position_error", "orientation_error", "message")
     rows = (
-        [
-            (k + 1) * period,
-            *step.q.tolist(),
-            str(step.status),
-            step.position_error,
-            step.orientation_error,
-            step.message,
-        ]
-        for k, step in enumerate(steps)
+        [k * period, *step.q.tolist(), str(step.status), step.position_error, step.orientation_error, step.message]
+        for k, step in enumerate(steps, 1)
     )
     write_table(path, header, rows)
 
@@ -154,15 +135,12 @@ def _largest(steps: list[TrackerStep]) -> tuple[Any, Any]:
 
 
 def _print_json(arm: Arm, tracker: Tracker, steps: list[TrackerStep]) -> None:
-    from srs_ik.cli.render import print_json
+    from srs_ik.cli.render import heading, print_json
 
     velocity, acceleration = _largest(steps)
     print_json(
         {
-            "robot": arm.name,
-            "base": arm.base,
-            "tip": arm.tip,
-            "joint_names": list(arm.joint_names),
+            **heading(arm),
             "dt": tracker.dt,
             "q": [step.q for step in steps],
             "status": [str(step.status) for step in steps],

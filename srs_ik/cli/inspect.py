@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput, warn
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -67,7 +67,7 @@ def inspect(
 
         write_adapter(write, source, load(source, **reading, **chosen), reading["xacro_args"])
         allowed = " --allow-xacro" if names_xacro(write) else ""
-        typer.echo(f"srs-ik: wrote {write}; check it, then try 'srs-ik inspect {write}{allowed}'", err=True)
+        warn(f"wrote {write}; check it, then try 'srs-ik inspect {write}{allowed}'")
     answer: dict[str, Any] = {"source": source, "limbs": findings}
     if bodies and accepted:
         from srs_ik.cli.scenes import bodies_of, print_bodies
@@ -83,7 +83,7 @@ def inspect(
         from srs_ik.system.writing import write_whole
 
         write_whole(packed, limb_file(load(source, **reading, **chosen).packed))
-        typer.echo(f"srs-ik: wrote {packed}", err=True)
+        warn(f"wrote {packed}")
     if as_json:
         print_json(answer)
     else:
@@ -95,7 +95,7 @@ def inspect(
         if bodies and accepted:
             print_bodies(out, arm)
     if not findings:
-        typer.echo(f"srs-ik: {_why_nothing(source, reading)}.", err=True)
+        warn(f"{_why_nothing(source, reading)}.")
     if not accepted:
         raise typer.Exit(1)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, fail
 from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
@@ -64,10 +64,7 @@ def intervals(
     if not found:
         where = "no posture" if no_limits else "no posture inside the joint limits"
         where += " and clear of the scene" if around else ""
-        typer.echo(
-            f"srs-ik: {where} meets the pose, whatever its arm angle; 'srs-ik solve' says what is left", err=True
-        )
-        raise typer.Exit(1)
+        fail(f"{where} meets the pose, whatever its arm angle; 'srs-ik solve' says what is left")
     if plot is not None:
         from srs_ik.cli.picture import save
         from srs_ik.plots import plot_intervals
@@ -95,11 +92,8 @@ def _print_table(arm: Arm, found: list[Interval]) -> None:
     rows = [
         (
             str(i.branch),
-            fixed(math.degrees(i.lower), 4),
-            fixed(math.degrees(i.upper), 4),
-            fixed(math.degrees(i.width), 4),
-            fixed(i.lower, 9),
-            fixed(i.upper, 9),
+            *(fixed(math.degrees(x), 4) for x in (i.lower, i.upper, i.width)),
+            *(fixed(x, 9) for x in (i.lower, i.upper)),
         )
         for i in found
     ]

@@ -18,12 +18,7 @@ def read_joints(path: Path, joint_names: Sequence[str], unit: float) -> np.ndarr
     """The joint angles of a CSV file whose header names the joints, (N, 7), rad.
 
     The columns are the names of the joints, or q1 to q7, in any order. Other columns and empty lines are left out. A
-    line on standard error says where angles in radians look like degrees.
-
-    Args:
-        path: the file.
-        joint_names: of the arm.
-        unit: radians in the unit of the file.
+    line on standard error says where angles in radians look like degrees; `unit` is that of the file in radians.
 
     Raises:
         WrongInput: the header lacks a joint, or a line a number; the message says which line.

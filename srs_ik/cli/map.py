@@ -10,7 +10,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, NumbersCommand, Source, Tip, WrongInput, numbers
+from srs_ik.cli.options import (
+    AllowXacro,
+    AsJson,
+    Base,
+    Limb,
+    NumbersCommand,
+    Six,
+    Source,
+    Three,
+    Tip,
+    WrongInput,
+    numbers,
+)
 from srs_ik.cli.scenes import SceneFile, read
 
 if TYPE_CHECKING:
@@ -25,14 +37,12 @@ Turns = Annotated[
 ]
 InBox = Annotated[bool, typer.Option("--box", help="Map a box around all that is reached, not the half-plane.")]
 Bounds = Annotated[
-    tuple[str, str, str, str, str, str] | None,
-    typer.Option(metavar="X0 X1 Y0 Y1 Z0 Z1", help="Map this box of the base frame, metres."),
+    Six | None, typer.Option(metavar="X0 X1 Y0 Y1 Z0 Z1", help="Map this box of the base frame, metres.")
 ]
 More = Annotated[
     list[str] | None,
     typer.Option("--measure", metavar="NAME", help="margin or manipulability as well; may be repeated."),
 ]
-Three = tuple[str, str, str]
 Velocity = Annotated[
     Three | None,
     typer.Option(metavar="X Y Z", help="Direction in which a task moves: with --force, its ratio C in every cell."),
@@ -107,17 +117,8 @@ def make(
     more = _more(measure, scene, velocity, force)
     plan = plan_map(arm, metres, orientations=orientations, box_bounds=where, **more)
     with _client(dask) as client, _bar(f"{plan.cells:,} cells", plan.cells) as progress:
-        made = build_map(
-            arm,
-            metres,
-            out,
-            client,
-            orientations=orientations,
-            box=where,
-            threads=threads,
-            progress=progress,
-            **more,
-        )
+        asked = {"orientations": orientations, "box": where, "threads": threads, "progress": progress}
+        made = build_map(arm, metres, out, client, **asked, **more)
     typer.echo(repr(made))
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli.map import map_app as map_app
-from srs_ik.cli.options import AllowXacro, AsJson, ExampleCommand, Source, WrongInput, numbers, warn
+from srs_ik.cli.options import AllowXacro, AsJson, ExampleCommand, Source, WrongInput, fail, numbers, warn
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.scenes import SceneFile, read
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from srs_ik.maps.reader import Map
 
 Folder = Annotated[Path, typer.Argument(metavar="MAP", help="Folder of the map.", show_default=False)]
+
+Second = Annotated[Path, typer.Argument(metavar="MAP2", help="Folder of another map.", show_default=False)]
 
 
 class Format(StrEnum):
@@ -95,8 +97,7 @@ def query(
         warn(f"{folder} is {100.0 * chart.done:.0f} % done: poses in what is left of it count as not reached")
     missed = int((~found.reached).sum())
     if missed:
-        typer.echo(f"srs-ik: {missed} of {len(found)} poses are not reached", err=True)
-        raise typer.Exit(1)
+        fail(f"{missed} of {len(found)} poses are not reached")
 
 
 def _figure(value: int | float) -> str:
@@ -158,16 +159,11 @@ def verify(
             f"{found.different} different; {found.rebuilt} postures rebuilt, off by {found.worst:.2g} m or rad at most"
         )
     if not found:
-        typer.echo(f"srs-ik: {folder} is not what it was made to be: remove it and make it again", err=True)
-        raise typer.Exit(1)
+        fail(f"{folder} is not what it was made to be: remove it and make it again")
 
 
 @map_app.command("compare", cls=ExampleCommand, short_help="Compare two maps on the same cells.")
-def compare(
-    first: Folder,
-    second: Annotated[Path, typer.Argument(metavar="MAP2", help="Folder of another map.", show_default=False)],
-    as_json: AsJson = False,
-) -> None:
+def compare(first: Folder, second: Second, as_json: AsJson = False) -> None:
     """Compare two maps on the same cells: of two arms or tools, or with other limits."""
     from srs_ik.cli.render import print_json
     from srs_ik.maps.pairs import compare as compared
@@ -185,9 +181,7 @@ def compare(
 
 @map_app.command("combine", cls=ExampleCommand, short_help="Make the map of what either of two arms reaches.")
 def combine(
-    first: Folder,
-    second: Annotated[Path, typer.Argument(metavar="MAP2", help="Folder of another map.", show_default=False)],
-    out: Annotated[Path, typer.Option(metavar="MAP", help="Folder for the map of both.")],
+    first: Folder, second: Second, out: Annotated[Path, typer.Option(metavar="MAP", help="Folder for the map of both.")]
 ) -> None:
     """Make the map of what either of two arms reaches, of two boxes with the same cells."""
     from srs_ik.maps.pairs import combine as combined

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import Seven, Three, WrongInput, numbers
+from srs_ik.cli.options import Seven, Six, Three, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, angles
 
 if TYPE_CHECKING:
     from srs_ik.solve.objectives import Objective
 
-Six = tuple[str, str, str, str, str, str]
 SIX = "X Y Z RX RY RZ"
 
 Name = Annotated[

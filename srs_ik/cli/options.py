@@ -6,12 +6,17 @@ import itertools
 import math
 import sys
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperCommand
 
 from srs_ik.cli.examples import with_examples
+
+Three = tuple[str, str, str]
+Four = tuple[str, str, str, str]
+Six = tuple[str, str, str, str, str, str]
+Seven = tuple[str, str, str, str, str, str, str]
 
 Source = Annotated[
     str,
@@ -32,11 +37,14 @@ Limb = Annotated[
 AllowXacro = Annotated[
     bool, typer.Option("--allow-xacro", help="Run the xacro file that an adapter names; such a file is a program.")
 ]
+Hand = Annotated[
+    Six | None,
+    typer.Option(
+        metavar="GX GY GZ PX PY PZ",
+        help="Grasp and pronosupination direction of the hand in the tip frame, for a robot that gives none.",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else, in metres and radians.")]
-
-Three = tuple[str, str, str]
-Four = tuple[str, str, str, str]
-Seven = tuple[str, str, str, str, str, str, str]
 
 
 FORMER_Q = "--from-q"
@@ -50,6 +58,12 @@ class WrongInput(Exception):
 def warn(text: str) -> None:
     """Print one line on standard error about what is probably meant otherwise."""
     print(f"srs-ik: {text}", file=sys.stderr)
+
+
+def fail(text: str) -> NoReturn:
+    """Print one line on standard error about what was not found, and leave with exit status 1."""
+    warn(text)
+    raise typer.Exit(1)
 
 
 class ExampleCommand(TyperCommand):
@@ -96,11 +110,7 @@ def is_number(word: str) -> bool:
 
 
 def numbers(option: str, words: Sequence[str]) -> list[float]:
-    """Read the numbers that an option was given.
-
-    Raises:
-        WrongInput: if a word is no finite number.
-    """
+    """Read the numbers that an option was given; raises WrongInput where a word is no finite number."""
     for word in words:
         if not is_number(word):
             raise WrongInput(f"{option} takes a number, not {word!r}")

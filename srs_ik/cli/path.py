@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli import freedom
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail, numbers, warn
 from srs_ik.cli.picture import check
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
@@ -132,12 +132,11 @@ def path(
     if not found:
         first, others = found.breaks[0], len(found.breaks) - 1
         more = f" ({others} more)" if others else ""
-        typer.echo(f"srs-ik: {poses}, line {lines[first.sample]}: {first.message}{more}", err=True)
-        raise typer.Exit(1)
+        fail(f"{poses}, line {lines[first.sample]}: {first.message}{more}")
     if found.velocity_use is not None and (found.velocity_use > 1.0).any():
         _tell_passed(arm, found, f"{poses}, line {lines[int(found.velocity_use.argmax()) + 1]}")
     if out is not None and dt is not None and acceleration is not None:
-        typer.echo(f"srs-ik: the times in {out} are those of --acceleration, not --dt apart", err=True)
+        warn(f"the times in {out} are those of --acceleration, not --dt apart")
 
 
 def _tell_passed(arm: Arm, found: PathSolution, place: str) -> None:
@@ -146,10 +145,9 @@ def _tell_passed(arm: Arm, found: PathSolution, place: str) -> None:
     assert use is not None
     step = int(use.argmax())
     joint = arm.joint_names[int((abs(found.steps[step]) / arm.velocity_limit).argmax())]
-    typer.echo(
-        f"srs-ik: {place}: no path was found that keeps the velocity limits within --dt: "
-        f"joint {joint} takes {use[step]:.4g} times its own",
-        err=True,
+    warn(
+        f"{place}: no path was found that keeps the velocity limits within --dt: "
+        f"joint {joint} takes {use[step]:.4g} times its own"
     )
 
 
@@ -179,14 +177,11 @@ def _times(found: PathSolution, dt: object) -> list[float] | None:
 
 
 def _print_json(arm: Arm, found: PathSolution, lines: list[int]) -> None:
-    from srs_ik.cli.render import print_json
+    from srs_ik.cli.render import heading, print_json
 
     print_json(
         {
-            "robot": arm.name,
-            "base": arm.base,
-            "tip": arm.tip,
-            "joint_names": list(arm.joint_names),
+            **heading(arm),
             "q": found.q,
             "status": [found[i].status.name for i in range(len(found))],
             "branch": found.branch,

@@ -30,11 +30,7 @@ def check(path: Path, option: str) -> None:
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write a Matplotlib figure, in the format that the name ends in.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write a Matplotlib figure, in the format that the name ends in."""
     content = io.BytesIO()
     figure.savefig(content, format=path.suffix.lstrip(".").lower())
     write_whole(path, content.getvalue())

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Six, Source, Tip, WrongInput, fail, numbers
 from srs_ik.cli.pose_file import POSITION, QUATERNION, read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.waiting import at_work
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
     from srs_ik.maps.placement import Placement
-
-Six = tuple[str, str, str, str, str, str]
 
 MOST_CANDIDATES = 10_000_000
 
@@ -97,8 +95,7 @@ def place(
     else:
         _print_table(arm, found, top)
     if not found.reached.any():
-        typer.echo("srs-ik: no candidate reaches any of the poses", err=True)
-        raise typer.Exit(1)
+        fail("no candidate reaches any of the poses")
 
 
 def _on_grid(grid: Six, height: str | None, yaws: int) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli.ellipsoids import Part
-from srs_ik.cli.options import AllowXacro, Base, Limb, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, Base, Limb, Source, Tip, WrongInput, fail
 from srs_ik.cli.picture import check, save
 from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
 
@@ -82,8 +82,7 @@ def plot(
             pose = arm.forward_kinematics(angles).homogeneous
         found = arm.intervals(pose, respect_limits=not no_limits)
         if not found:
-            typer.echo("srs-ik: no posture meets the pose; 'srs-ik solve' says what is left", err=True)
-            raise typer.Exit(1)
+            fail("no posture meets the pose; 'srs-ik solve' says what is left")
         if kind is Kind.intervals:
             figure = plots.plot_intervals(arm, pose, respect_limits=not no_limits)
         else:
@@ -94,6 +93,5 @@ def plot(
 def _solved(arm: Arm, pose: Any, respect_limits: bool) -> Any:
     solution = arm.solve(pose, respect_limits=respect_limits)
     if not solution:
-        typer.echo(f"srs-ik: {solution.message}", err=True)
-        raise typer.Exit(1)
+        fail(solution.message)
     return solution.q

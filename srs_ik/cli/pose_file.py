@@ -29,11 +29,7 @@ DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 
 
 def refuse_onto(out: Path | None, *read: Path | None) -> None:
-    """Refuse to write answers onto a file that is read.
-
-    Raises:
-        WrongInput: it is one of those that are read, under whatever name.
-    """
+    """Raise WrongInput where answers would be written onto a file that is read, under whatever name."""
     for path in read:
         if out is not None and path is not None and out.is_file() and path.is_file() and out.samefile(path):
             raise WrongInput(f"{out} is read: give the answers a file of their own")
@@ -64,16 +60,7 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
 
 
 def read_targets(path: Path, unit: float) -> list[np.ndarray | None]:
-    """The poses of a CSV file as `read_poses` does, one a period; None where a line has nan in place of one.
-
-    Args:
-        path: the file.
-        unit: radians in the unit of roll, pitch and yaw.
-
-    Raises:
-        WrongInput: the header lacks a column, or a line some of its numbers; the message says which line.
-        OSError: the file cannot be read.
-    """
+    """The poses of a CSV file as `read_poses` gives and refuses them, one a period; None for a line of nan."""
     return _poses(path, read_table(path, (*POSITION, *RPY)), unit, lost=True)[0]
 
 
@@ -168,11 +155,7 @@ def _columns(path: Path, line: int, header: Sequence[str]) -> tuple[dict[str, in
 
 
 def figures(where: str, row: Sequence[str], columns: dict[str, int]) -> Iterator[float]:
-    """The finite numbers of a line in some columns; `where` names the line.
-
-    Raises:
-        WrongInput: one is missing, or is none.
-    """
+    """The finite numbers of a line, `where`, in some columns; raises WrongInput where one is missing or none."""
     for name, index in columns.items():
         if index >= len(row):
             raise WrongInput(f"{where}: there is no {name}; the line ends after {len(row)} columns")
@@ -182,11 +165,7 @@ def figures(where: str, row: Sequence[str], columns: dict[str, int]) -> Iterator
 
 
 def write_path(path: Path, arm: Arm, found: PathSolution, times: Sequence[float] | None) -> None:
-    """Write the joint angles of a path, rad, a line for each pose: the joints by name, after the time if it is known.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write the joint angles of a path, rad, a line for each pose: joints by name, after the time if it is known."""
     if times is None:
         write_table(path, arm.joint_names, found.q.tolist())
         return
@@ -195,11 +174,7 @@ def write_path(path: Path, arm: Arm, found: PathSolution, times: Sequence[float]
 
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write a CSV file, whole or not at all.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write a CSV file, whole or not at all."""
     text = io.StringIO(newline="")
     writer = csv.writer(text)
     writer.writerow(header)

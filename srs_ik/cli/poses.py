@@ -38,13 +38,9 @@ def unit_of(degrees: bool) -> float:
 
 
 def angles(option: str, words: Sequence[str], unit: float, remedy: str = " Then add --degrees.") -> list[float]:
-    """Angles in radians; a line on standard error where they are given as such and look like degrees.
+    """Angles in radians, of words in a unit; a line on standard error where these are radians and look like degrees.
 
-    Args:
-        option: the option that they belong to.
-        words: the angles.
-        unit: radians in the unit in which they are given.
-        remedy: end of that line: what to do.
+    It names the option that they belong to, and ends with the remedy: what to do.
 
     Raises:
         WrongInput: a word is no finite number.
@@ -65,17 +61,9 @@ def warn_of_degrees(where: str, given: Sequence[float], remedy: str) -> None:
 def read_pose(
     xyz: Three | None, rpy: Three | None, quat: Four | None, q: Seven | None, unit: float
 ) -> tuple[np.ndarray | None, list[float]]:
-    """The pose of the tip in the base frame that the options give, or the joint angles that reach it.
+    """The pose (4, 4) of the tip in the base frame that the options give, or 7 joint angles, rad, that reach it.
 
-    Args:
-        xyz: words for the position, metres.
-        rpy: words for three angles.
-        quat: words for a quaternion.
-        q: words for seven joint angles.
-        unit: radians in the unit of the angles.
-
-    Returns:
-        (4, 4) pose and no angles, or None and 7 angles, rad.
+    Words of positions are in metres, those of angles in a unit; of pose and joint angles one is given, the other none.
 
     Raises:
         WrongInput: not exactly one pose is given, or its words are no finite numbers, or its quaternion no rotation.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, Base, Limb, Seven, Source, Tip, WrongInput, fail
 from srs_ik.cli.poses import JOINTS, Quat, Rpy, Xyz, angles, read_pose, unit_of
 from srs_ik.cli.scenes import Margin, SceneFile, read
 
@@ -77,8 +77,7 @@ def preview(
     if pose is not None:
         solution = arm.solve(pose, **around)
         if not solution:
-            typer.echo(f"srs-ik: {solution.status.name}: {solution.message}", err=True)
-            raise typer.Exit(1)
+            fail(f"{solution.status.name}: {solution.message}")
         shown = solution.q.tolist()
     if follow:
         from srs_ik.preview.following import FollowingPreview

@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 if TYPE_CHECKING:
+    from srs_ik.arm import Arm
     from srs_ik.solve.solution import Solution
 
 WIDE = 200
@@ -71,6 +72,11 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def heading(arm: Arm) -> dict[str, Any]:
+    """What JSON says of an arm."""
+    return {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joint_names": list(arm.joint_names)}
 
 
 def fields(solution: Solution) -> dict[str, Any]:

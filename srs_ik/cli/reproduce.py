@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, Base, Limb, Tip, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, Base, Hand, Limb, Tip, WrongInput, numbers
 from srs_ik.cli.picture import check
-from srs_ik.cli.task import Six
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -60,13 +59,7 @@ def reproduce(
     tip: Tip = None,
     limb: Limb = None,
     allow_xacro: AllowXacro = False,
-    hand: Annotated[
-        Six | None,
-        typer.Option(
-            metavar="GX GY GZ PX PY PZ",
-            help="Grasp and pronosupination direction of the hand in the tip frame, for a robot that gives none.",
-        ),
-    ] = None,
+    hand: Hand = None,
     short: Annotated[
         bool, typer.Option("--short", help="Control alone: few seeds and short motions, to see that all runs.")
     ] = False,

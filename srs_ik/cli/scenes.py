@@ -27,11 +27,7 @@ Exact = Annotated[bool, typer.Option("--exact", help="With --scene: real shapes 
 
 
 def read(scene: Path | None, margin: str | None, exact: bool = False) -> dict[str, Any]:
-    """The arguments of a question that a scene and a margin make; none without a scene.
-
-    Raises:
-        WrongInput: a margin that is no number, or without a scene.
-    """
+    """The arguments of a question that a scene and a margin make, none without a scene; raises WrongInput."""
     if scene is None:
         if margin is not None or exact:
             raise WrongInput('--margin and --exact go with --scene FILE; {"objects": []} is the arm alone')

@@ -10,7 +10,7 @@ import typer
 
 from srs_ik.cli import freedom
 from srs_ik.cli import objective as objectives
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail
 from srs_ik.cli.pose_file import read_poses, refuse_onto
 from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
@@ -109,15 +109,7 @@ def solve(
 
     arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if file is not None:
-        solved = arm.solve_batch(
-            poses,
-            arm_angle=angle,
-            seed=start,
-            branch=branch,
-            respect_limits=not no_limits,
-            free_axis=free,
-            **around,
-        )
+        solved = arm.solve_batch(poses, angle, start, branch, respect_limits=not no_limits, free_axis=free, **around)
         report(arm, solved, file, lines, out, as_json)
         return
     if pose is None:
@@ -138,21 +130,13 @@ def solve(
     else:
         _print_tables(arm, best, solutions if every and solutions else None, angle is not None)
     if not solutions:
-        typer.echo(f"srs-ik: {best.status.name}: {best.message}", err=True)
-        raise typer.Exit(1)
+        fail(f"{best.status.name}: {best.message}")
 
 
 def _print_json(arm: Arm, pose: np.ndarray, best: Solution, solutions: list[Solution] | None) -> None:
-    from srs_ik.cli.render import fields, print_json
+    from srs_ik.cli.render import fields, heading, print_json
 
-    answer = {
-        "robot": arm.name,
-        "base": arm.base,
-        "tip": arm.tip,
-        "joint_names": list(arm.joint_names),
-        "T_base_tip": pose,
-        **fields(best),
-    }
+    answer = {**heading(arm), "T_base_tip": pose, **fields(best)}
     if solutions is not None:
         answer["solutions"] = [fields(s) for s in solutions]
     print_json(answer)

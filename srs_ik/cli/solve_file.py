@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
+from srs_ik.cli.options import fail
 from srs_ik.cli.pose_file import write_table
 
 if TYPE_CHECKING:
@@ -35,8 +34,7 @@ def report(arm: Arm, found: BatchSolution, poses: Path, lines: list[int], out: P
     if failed:
         first, more = found[failed[0]], f" ({len(failed) - 1} more)" if len(failed) > 1 else ""
         place = f"{poses}, line {lines[failed[0]]}"
-        typer.echo(f"srs-ik: {place}: {first.status.name}: {first.message}{more}", err=True)
-        raise typer.Exit(1)
+        fail(f"{place}: {first.status.name}: {first.message}{more}")
 
 
 def _row(solution: Solution) -> list[object]:
@@ -44,11 +42,10 @@ def _row(solution: Solution) -> list[object]:
 
 
 def _print_json(arm: Arm, found: BatchSolution, lines: list[int]) -> None:
-    from srs_ik.cli.render import fields, print_json
+    from srs_ik.cli.render import fields, heading, print_json
 
-    answer = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joint_names": list(arm.joint_names)}
     answers = [{"line": line, **fields(found[i])} for i, line in enumerate(lines)]
-    print_json({**answer, "solved": found.solved, "solutions": answers})
+    print_json({**heading(arm), "solved": found.solved, "solutions": answers})
 
 
 def _print_table(arm: Arm, found: BatchSolution, lines: list[int]) -> None:

@@ -8,7 +8,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import freedom
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.options import (
+    AllowXacro,
+    AsJson,
+    Base,
+    Hand,
+    Limb,
+    Seven,
+    Source,
+    Three,
+    Tip,
+    WrongInput,
+    fail,
+    numbers,
+)
 from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
@@ -16,7 +29,6 @@ if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solve.task import TaskSolution
 
-Six = tuple[str, str, str, str, str, str]
 DIRECTION = "X Y Z"
 
 
@@ -63,13 +75,7 @@ def task(
         Seven | None,
         typer.Option(metavar=JOINTS, help="Joint angles to stay near, rad: in branch, and in a roll left free."),
     ] = None,
-    hand: Annotated[
-        Six | None,
-        typer.Option(
-            metavar="GX GY GZ PX PY PZ",
-            help="Grasp and pronosupination direction of the hand in the tip frame, for a robot that gives none.",
-        ),
-    ] = None,
+    hand: Hand = None,
     free_axis: freedom.Axis = None,
     cone: freedom.Cone = None,
     base: Base = None,
@@ -90,14 +96,9 @@ def task(
     """
     if xyz is None or velocity is None or force is None:
         raise WrongInput("a task is at least --xyz X Y Z, --velocity X Y Z and --force X Y Z")
+    directions = {"velocity": velocity, "force": force, "grasp": grasp, "pronosupination": pronosupination}
     given: dict[str, Any] = {
-        name: None if words is None else numbers(f"--{name}", words)
-        for name, words in (
-            ("velocity", velocity),
-            ("force", force),
-            ("grasp", grasp),
-            ("pronosupination", pronosupination),
-        )
+        name: None if words is None else numbers(f"--{name}", words) for name, words in directions.items()
     }
     position = numbers("--xyz", xyz)
     axes = None if hand is None else numbers("--hand", hand)
@@ -125,20 +126,16 @@ def task(
     else:
         _print_tables(arm, solution)
     if not solution:
-        typer.echo(f"srs-ik: {solution.status.name}: {solution.message}", err=True)
-        raise typer.Exit(1)
+        fail(f"{solution.status.name}: {solution.message}")
 
 
 def _print_json(arm: Arm, solution: TaskSolution) -> None:
-    from srs_ik.cli.render import fields, print_json
+    from srs_ik.cli.render import fields, heading, print_json
 
     posture = solution.posture
     names = ("shoulder", "elbow", "wrist", "hand", "normal", "task_normal", "direction", "arm_angle", "reached", "miss")
     answer = {
-        "robot": arm.name,
-        "base": arm.base,
-        "tip": arm.tip,
-        "joint_names": list(arm.joint_names),
+        **heading(arm),
         "T_base_tip": solution.T_base_tip,
         **fields(solution),
         "angle_lost": solution.angle_lost,

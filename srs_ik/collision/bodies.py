@@ -201,13 +201,9 @@ def covered_mesh(vertices: Array, faces: NDArray[np.int64], count: int) -> tuple
 
 
 def revolved(arm: ChainKinematics, body: Body, axis: int, lines: tuple[Array, Array]) -> Array:
-    """(n, 4) spheres, in the base frame at zero, that cover all turns of a body about a joint axis.
+    """(n, 4) spheres, in the base frame at zero, that cover all turns of a body about a joint axis, 0 to 6.
 
-    Args:
-        arm: the seven joints.
-        body: a body.
-        axis: the joint, 0 to 6.
-        lines: axes and points of the seven joints in the base frame at zero.
+    `lines` are axes and points of the seven joints in the base frame at zero.
     """
     T = arm.joint_frames(np.zeros(7))[body.joint]
     direction, point = lines[0][axis], lines[1][axis]

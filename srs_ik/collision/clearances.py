@@ -21,10 +21,7 @@ CARRIERS = (0, 7, 3, 4)
 def clearances(tables: Tables, frames: Array, zero: Array) -> Array:
     """(G,) least distance of each group to all groups that it is watched against, m; inf where there is none.
 
-    Args:
-        tables: bodies and pairs.
-        frames: (8, 4, 4) of the joints at the posture.
-        zero: the same at zero.
+    `frames` (8, 4, 4) are those of the joints at the posture, `zero` the same at zero.
     """
     moved = [frames[k] @ np.linalg.inv(zero[k]) for k in CARRIERS]
     rows = [tables.bodies[first:last] for first, last, *_ in tables.groups]

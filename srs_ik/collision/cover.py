@@ -47,13 +47,7 @@ class Cover(NamedTuple):
 
 
 def cover(vertices: Array, faces: NDArray[np.int64], count: int) -> Cover:
-    """Cover the triangles of a mesh.
-
-    Args:
-        vertices: (n, 3), m.
-        faces: (m, 3) corners of the triangles, outwards.
-        count: as many spheres, about.
-    """
+    """Cover the triangles of a mesh, vertices (n, 3), m, and faces (m, 3) outwards, with about `count` spheres."""
     corners, triangles, lost = _small_triangles(vertices, faces)
     normals = _normals(corners, triangles)
     tree = cKDTree(corners)
@@ -214,11 +208,7 @@ def protrusion(spheres: Array, corners: Array, normals: Array, tree: cKDTree) ->
 def is_covered(spheres: Array, corners: Array, triangles: NDArray[np.int64], slack: float = 0.0) -> NDArray[np.bool_]:
     """(m,) whether each triangle lies in one sphere, whole: a proof that it is covered, where it is true.
 
-    Args:
-        spheres: (n, 4) centre and radius, m.
-        corners: (k, 3), m.
-        triangles: (m, 3).
-        slack: m, added to the radii.
+    Spheres (n, 4) are centre and radius, corners (k, 3), triangles (m, 3); `slack` is added to the radii, all m.
     """
     distance = np.linalg.norm(corners[:, None, :] - spheres[None, :, :3], axis=2)
     reach = np.maximum.reduce([distance[triangles[:, k]] for k in range(3)])

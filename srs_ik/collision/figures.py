@@ -21,11 +21,7 @@ MOST_POINTS = 2_000_000
 
 
 def as_margin(value: Any) -> float:
-    """A margin, m.
-
-    Raises:
-        InvalidScene: no number from 0 to 1e4.
-    """
+    """A margin, m; raises InvalidScene for what is no number from 0 to 1e4."""
     margin = real_number(value)
     if not 0.0 <= margin <= LARGEST:
         raise InvalidScene(f"margin must be a number from 0 to {LARGEST:g} m, not {quoted(value)}")
@@ -33,11 +29,7 @@ def as_margin(value: Any) -> float:
 
 
 def refuse_margin(value: Any) -> None:
-    """Refuse a margin that has no scene; zero is none.
-
-    Raises:
-        InvalidScene: no number from 0 to 1e4, or not zero.
-    """
+    """Raise InvalidScene for a margin that has no scene; zero is none."""
     if as_margin(value) != 0.0:
         raise InvalidScene("margin= goes with scene=; scene=srs_ik.Scene() is the arm alone")
 

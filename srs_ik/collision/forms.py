@@ -22,21 +22,15 @@ _AROUND = 12
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """A form in the frame of what carries it.
+    """A form in the frame of what carries it."""
 
-    Attributes:
-        kind: a cylinder or capsule has its axis along z, and its centre in the origin; a half-space is all below z = 0.
-        size: box: 3 edges; cylinder and capsule: radius and length (of its cylinder); sphere: radius, m; others: none.
-        T: (4, 4) where it is.
-        vertices: (n, 3) of a mesh, m.
-        faces: (m, 3) of a mesh.
-    """
-
+    # a cylinder or capsule has its axis along z, and its centre in the origin; a half-space is all below z = 0
     kind: Kind
+    # box: 3 edges; cylinder and capsule: radius and length (of its cylinder); sphere: radius, m; others: none
     size: tuple[float, ...]
-    T: Array
-    vertices: Array | None = None
-    faces: NDArray[np.int64] | None = None
+    T: Array  # (4, 4) where it is
+    vertices: Array | None = None  # (n, 3) of a mesh, m
+    faces: NDArray[np.int64] | None = None  # (m, 3) of a mesh
 
     def moved(self, T: Array) -> Form:
         """The form in another frame."""

@@ -29,23 +29,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BodyPlan:
-    """How the bodies of an arm are found.
+    """How the bodies of an arm are found."""
 
-    Attributes:
-        folders: to search for meshes.
-        spheres: file of spheres of the links; empty for none.
-        srdf: path or text of an SRDF file; empty for none.
-        keep: pairs of bodies that are watched in any case.
-        drop: pairs of bodies that are not watched.
-        held: what the hand holds, poses in the frame of joint 7.
-    """
-
-    folders: tuple[str, ...] = ()
-    spheres: str = ""
-    srdf: str = ""
-    keep: tuple[tuple[str, str], ...] = ()
-    drop: tuple[tuple[str, str], ...] = ()
-    held: tuple[Body, ...] = ()
+    folders: tuple[str, ...] = ()  # to search for meshes
+    spheres: str = ""  # file of spheres of the links; empty for none
+    srdf: str = ""  # path or text of an SRDF file; empty for none
+    keep: tuple[tuple[str, str], ...] = ()  # pairs of bodies that are watched in any case
+    drop: tuple[tuple[str, str], ...] = ()  # pairs of bodies that are not watched
+    held: tuple[Body, ...] = ()  # what the hand holds, poses in the frame of joint 7
 
 
 class BodyOwner(ChainKinematics):

@@ -45,23 +45,14 @@ _APART = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class JointRange:
-    """What one joint says of the distance of two bodies.
+    """What one joint says of the distance of two bodies."""
 
-    Attributes:
-        first: place of one body.
-        second: place of the other.
-        joint: 0 to 6.
-        edges: (n + 1,) angles between which bounds hold, rad.
-        bounds: (n,) distance below which the bodies do not come, m.
-        tops: (n,) distance above which they never are, m; infinite where none is known. Minus it is a depth.
-    """
-
-    first: int
-    second: int
-    joint: int
-    edges: Array
-    bounds: Array
-    tops: Array
+    first: int  # place of one body
+    second: int  # place of the other
+    joint: int  # 0 to 6
+    edges: Array  # (n + 1,) angles between which bounds hold, rad
+    bounds: Array  # (n,) distance below which the bodies do not come, m
+    tops: Array  # (n,) distance above which they never are, m; infinite where none is known. Minus it is a depth.
 
     def bound_at(self, angle: float) -> float:
         """Distance below which the bodies do not come at an angle of the joint, m."""
@@ -97,10 +88,8 @@ class JointRange:
 class Bounds:
     """Bounds of the distance of two bodies over ranges of the first of two angles.
 
-    Args:
-        distance: of two bodies at two angles, m; where they meet, minus a depth that they have at least.
-        turn: range of the second angle, rad.
-        reaches: how far a point of one body moves against the other with each angle at most, m/rad.
+    `distance` is that at two angles, m, where they meet minus a depth that they have at least; `turn` the range of the
+    second angle, rad; `reaches` how far a point of one body moves against the other with each angle at most, m/rad.
     """
 
     def __init__(

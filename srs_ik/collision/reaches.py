@@ -31,12 +31,8 @@ _NARROW = 1e-6
 class Hinge:
     """Bodies that the arm angle moves as one about the line shoulder-wrist, and those that it does not move.
 
-    Args:
-        world: the bodies.
-        frames: (8, 4, 4) of the joints at a posture.
-        psi: its arm angle, rad.
-        line: a point and the unit direction of the line shoulder-wrist.
-        margin: that is to be kept, m.
+    `frames` (8, 4, 4) are those of the joints at a posture, `psi` its arm angle, rad, `line` a point and the unit
+    direction of the line, `margin` what is to be kept, m.
     """
 
     def __init__(self, world: RealWorld, frames: Array, psi: float, line: tuple[Array, Array], margin: float) -> None:
@@ -149,12 +145,9 @@ class Rates(NamedTuple):
 class Spinning:
     """The bodies of one branch, links 1, 2, 5 and 6 as they spin.
 
-    Args:
-        world: the bodies.
-        posture: (7,) joint angles at an arm angle; None where there are none.
-        rates: of joint angles, how fast they turn at most within some arm angle.
-        line: a point and the unit direction of the line shoulder-wrist.
-        margin: that is to be kept, m.
+    `posture` gives the (7,) joint angles at an arm angle, None where there are none; `rates` how fast they turn at most
+    within some arm angle; `line` is a point and the unit direction of the line shoulder-wrist, `margin` what is kept,
+    m.
     """
 
     def __init__(

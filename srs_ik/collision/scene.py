@@ -32,11 +32,7 @@ MOST_TRIANGLES = 1_000_000
 
 
 def check_scene(scene: Any) -> None:
-    """Refuse what is no scene.
-
-    Raises:
-        InvalidScene: it is something else.
-    """
+    """Raise InvalidScene for what is no scene."""
     if not isinstance(scene, Scene):
         raise InvalidScene(f"a scene is a srs_ik.Scene, not {quoted(scene)}")
 

@@ -35,17 +35,11 @@ _ADD = 0
 
 
 class Given(NamedTuple):
-    """An object as it is described.
+    """An object as it is described."""
 
-    Attributes:
-        kind: one of `KINDS`, or "triangles": what `Scene.add_KIND` takes.
-        arguments: of that function.
-        place: (4, 4) where the object is put then; None where `arguments` say so.
-    """
-
-    kind: str
-    arguments: tuple[Any, ...]
-    place: Array | None = None
+    kind: str  # one of `KINDS`, or "triangles": what `Scene.add_KIND` takes
+    arguments: tuple[Any, ...]  # of that function
+    place: Array | None = None  # (4, 4) where the object is put then; None where `arguments` say so
 
 
 class SceneFile(NamedTuple):

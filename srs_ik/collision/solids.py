@@ -23,19 +23,14 @@ Integers = NDArray[np.int64]
 
 
 class Carried(NamedTuple):
-    """Bodies, and what carries them.
+    """Bodies, and what carries them."""
 
-    Attributes:
-        joints: that carry each body, 0 for the root, negative for objects.
-        parts: of each body, in the frames of these joints.
-        spins: largest distance of a point of each from the axis that it spins about, m; 0 where it does not spin.
-        reaches: of each body of the arm, the largest distance from the axis of the joint that carries it, from that of
-            the next one, and from the centre of the shoulder or the wrist, m.
-    """
-
-    joints: Sequence[int]
-    parts: Sequence[Sequence[Part]]
+    joints: Sequence[int]  # that carry each body, 0 for the root, negative for objects
+    parts: Sequence[Sequence[Part]]  # of each body, in the frames of these joints
+    # largest distance of a point of each from the axis that it spins about, m; 0 where it does not spin
     spins: Sequence[float]
+    # of each body of the arm, the largest distance from the axis of the joint that carries it, from that of the next
+    # one, and from the centre of the shoulder or the wrist, m
     reaches: Sequence[tuple[float, float, float]]
 
 

@@ -29,8 +29,7 @@ def read_spheres(file: str | Path) -> dict[str, Array]:
 
     Raises:
         InvalidScene: the file holds no spheres of links.
-        InvalidRobot: there is no such file, or it cannot be read.
-        MissingExtra: a YAML file, and no reader for it is installed.
+        Others: as `read_tree_of` does.
     """
     path = Path(file)
     content = read_tree_of(path)

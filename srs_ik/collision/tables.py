@@ -148,10 +148,7 @@ class OwnTables:
                 self.pairs.append((a, b) if self.places[a] >= self.places[b] else (b, a))
         self.slack = np.zeros(at.SLACK)
         self.slack[at.DRIFT] = _drift(limb)
-        for place, column, centre in (
-            (at.UPPER, at.REACH_UPPER, limb.shoulder),
-            (at.FORE, at.REACH_FORE, limb.elbow),
-        ):
+        for place, column, centre in ((at.UPPER, at.REACH_UPPER, limb.shoulder), (at.FORE, at.REACH_FORE, limb.elbow)):
             of_place = [own for own, own_place in zip(rows, self.places, strict=True) if own_place == place]
             reaches = [np.linalg.norm(own[:, :3] - centre, axis=1).max() for own in of_place]
             self.slack[column] = max(reaches, default=0.0)

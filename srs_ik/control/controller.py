@@ -109,11 +109,7 @@ class TorqueController:
     # Targets ----------------------------------------------------------------------------------------------------
 
     def set_target(
-        self,
-        pose: PoseLike,
-        arm_angle: float | None = None,
-        seed: ArrayLike | None = None,
-        restart: bool = True,
+        self, pose: PoseLike, arm_angle: float | None = None, seed: ArrayLike | None = None, restart: bool = True
     ) -> Solution:
         """Aim at a pose: tip and orientation at the pose itself, elbow where `Arm.solve` puts it.
 
@@ -260,12 +256,7 @@ class TorqueController:
     def _aim(self, T: Array, elbow: Array, arm_angle: float, restart: bool) -> None:
         self.elbow_target = elbow
         self._put(
-            {
-                at.TIP: T[:3, 3],
-                at.ORIENTATION: T[:3, :3].ravel(),
-                at.ELBOW: elbow,
-                at.ARM_ANGLE: np.array([arm_angle]),
-            }
+            {at.TIP: T[:3, 3], at.ORIENTATION: T[:3, :3].ravel(), at.ELBOW: elbow, at.ARM_ANGLE: np.array([arm_angle])}
         )
         if restart:
             self.restart()

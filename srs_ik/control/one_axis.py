@@ -30,13 +30,7 @@ def free_response(profile: ForceProfile, mass: float, start: float, dt: float, c
 
 
 def sampled_response(
-    profile: ForceProfile,
-    mass: float,
-    start: float,
-    period: float,
-    delay: float,
-    duration: float,
-    law: Law = "A",
+    profile: ForceProfile, mass: float, start: float, period: float, delay: float, duration: float, law: Law = "A"
 ) -> Array:
     """Position (m), speed (m/s) and force (N), (n, 3), of a mass under a controller that samples and acts late.
 
@@ -56,11 +50,7 @@ def sampled_response(
 
 
 def _rows(number: float) -> int:
-    """A number of samples.
-
-    Raises:
-        InvalidController: there would be too many.
-    """
+    """A number of samples; raises InvalidController where there would be too many."""
     if number > given.MOST:
         raise InvalidController(f"a response has at most {given.MOST:,} samples, not {number:.3g}")
     return round(number)

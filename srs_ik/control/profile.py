@@ -185,9 +185,5 @@ def _from_the_end(values: Array, step: float) -> Array:
 
 
 def checked_law(law: str) -> str:
-    """The name of a law of convergence.
-
-    Raises:
-        InvalidController: there is none of this name.
-    """
+    """The name of a law of convergence; raises InvalidController for any other."""
     return one_of(law, LAWS, "a law is")

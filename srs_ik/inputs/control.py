@@ -1,4 +1,7 @@
-"""What callers give to torque controllers and simulations, checked: figures, and things of some class."""
+"""What callers give to torque controllers and simulations, checked: figures, and things of some class.
+
+Each function gives back what its docstring says, or raises InvalidController; `what` names it in the message.
+"""
 
 from __future__ import annotations
 
@@ -21,29 +24,17 @@ MOST = 10_000_000
 
 
 def positive(value: Any, what: str) -> float:
-    """A positive number.
-
-    Raises:
-        InvalidController: it is none; `what` names it.
-    """
+    """A positive number."""
     return _within(value, what, math.nextafter(0.0, 1.0), "a positive number")
 
 
 def not_negative(value: Any, what: str) -> float:
-    """A number from 0 on.
-
-    Raises:
-        InvalidController: it is none; `what` names it.
-    """
+    """A number from 0 on."""
     return _within(value, what, 0.0, "a number from 0 on")
 
 
 def number(value: Any, what: str) -> float:
-    """A finite number.
-
-    Raises:
-        InvalidController: it is none; `what` names it.
-    """
+    """A finite number."""
     return _within(value, what, -sys.float_info.max, "a finite number")
 
 
@@ -55,42 +46,26 @@ def _within(value: Any, what: str, least: float, wanted: str) -> float:
 
 
 def count(value: Any, what: str) -> int:
-    """A whole number from 1 to `MOST`.
-
-    Raises:
-        InvalidController: it is none; `what` names it.
-    """
+    """A whole number from 1 to `MOST`."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value <= MOST:
         raise InvalidController(f"the {what} has to be a whole number from 1 to {MOST:,}, not {quoted(value)}")
     return int(value)
 
 
 def flag(value: Any, what: str) -> bool:
-    """True or False.
-
-    Raises:
-        InvalidController: it is neither; `what` names it.
-    """
+    """True or False."""
     return as_flag(value, what, InvalidController)
 
 
 def one_of(value: Any, names: Iterable[str], what: str) -> str:
-    """One of some names.
-
-    Raises:
-        InvalidController: it is none; `what` is what has to be one.
-    """
+    """One of some names; `what` is what has to be one."""
     if not (isinstance(value, str) and value in names):
         raise InvalidController(f"{what} one of {listed(list(names))}, not {quoted(value)}")
     return value
 
 
 def thing(value: Any, kind: type[Thing], what: str, made: str = "") -> Thing:
-    """A thing of a class.
-
-    Raises:
-        InvalidController: it is of another; `what` names it, and `made` says how to make one.
-    """
+    """A thing of a class; `made` says how to make one."""
     if not isinstance(value, kind):
         hint = f", as {made} makes it" if made else ""
         raise InvalidController(f"the {what} has to be of class {kind.__name__}{hint}, not {quoted(value)}")
@@ -98,11 +73,7 @@ def thing(value: Any, kind: type[Thing], what: str, made: str = "") -> Thing:
 
 
 def things(values: Any, kind: type[Thing], what: str) -> tuple[Thing, ...]:
-    """Several things of a class.
-
-    Raises:
-        InvalidController: not several, or not all of the class; `what` names them.
-    """
+    """Several things of a class."""
     try:
         found = tuple(values)
     except Exception:  # of the object's own making
@@ -114,22 +85,14 @@ def things(values: Any, kind: type[Thing], what: str) -> tuple[Thing, ...]:
 
 
 def called(value: Any, what: str) -> Callable[..., Any]:
-    """Something to call.
-
-    Raises:
-        InvalidController: it cannot be called; `what` names it.
-    """
+    """Something to call."""
     if not callable(value):
         raise InvalidController(f"the {what} has to be a function, not {quoted(value)}")
     return value
 
 
 def vector(value: Any, what: str, size: int = 3) -> Array:
-    """Three finite numbers, or as many as are wanted.
-
-    Raises:
-        InvalidController: they are not; `what` names them.
-    """
+    """Three finite numbers, or as many as are wanted."""
     numbers = _array(value)
     if numbers is None or numbers.shape != (size,) or not np.isfinite(numbers).all():
         raise InvalidController(f"the {what} has to be {size} finite numbers, not {quoted(value)}")
@@ -137,11 +100,7 @@ def vector(value: Any, what: str, size: int = 3) -> Array:
 
 
 def distances(value: Any, what: str) -> Array:
-    """Finite numbers in any shape.
-
-    Raises:
-        InvalidController: they are not; `what` names them.
-    """
+    """Finite numbers in any shape."""
     numbers = _array(value)
     if numbers is None or not np.isfinite(numbers).all():
         raise InvalidController(f"{what} has to be a finite number, or an array of them, not {quoted(value)}")
@@ -149,11 +108,7 @@ def distances(value: Any, what: str) -> Array:
 
 
 def seven_positive(value: Any, what: str) -> Array:
-    """(7,) positive figures from one or seven; infinite ones too.
-
-    Raises:
-        InvalidController: they are not; `what` names them.
-    """
+    """(7,) positive figures from one or seven; infinite ones too."""
     values = _seven(value)
     if values is None or not (values > 0.0).all():
         raise InvalidController(f"{what} has to be one or seven positive figures, not {quoted(value)}")
@@ -161,11 +116,7 @@ def seven_positive(value: Any, what: str) -> Array:
 
 
 def seven_not_negative(value: Any, what: str) -> Array:
-    """(7,) finite figures from 0 on, from one or seven.
-
-    Raises:
-        InvalidController: they are not; `what` names them.
-    """
+    """(7,) finite figures from 0 on, from one or seven."""
     values = _seven(value)
     if values is None or not ((values >= 0.0) & np.isfinite(values)).all():
         raise InvalidController(f"{what} has to be one or seven figures, none negative, not {quoted(value)}")
@@ -173,11 +124,7 @@ def seven_not_negative(value: Any, what: str) -> Array:
 
 
 def torques(value: Any) -> Array:
-    """(7,) finite torques.
-
-    Raises:
-        InvalidController: they are not.
-    """
+    """(7,) finite torques."""
     numbers = value if type(value) is np.ndarray and value.dtype == np.float64 else _array(value)
     if numbers is None or numbers.shape != (7,) or not math.isfinite(sum(numbers.tolist())):
         raise InvalidController(f"a torque has to be 7 finite numbers, N m, not {quoted(value)}")

@@ -128,11 +128,7 @@ class FreeAxis:
 
 
 def as_free_axis(value: Any) -> FreeAxis:
-    """What is free, of a direction in the tip frame, "any" or a `FreeAxis`.
-
-    Raises:
-        InvalidTask: none of these.
-    """
+    """What is free, of a direction in the tip frame, "any" or a `FreeAxis`; raises InvalidTask for anything else."""
     if isinstance(value, FreeAxis):
         return value
     if isinstance(value, str):

@@ -67,11 +67,7 @@ def positions_by_name(state: Any) -> dict[str, Any]:
 
 
 def picked(positions: Mapping[str, Any], joint_names: Iterable[str]) -> list[Any]:
-    """The positions of some joints, in their order; others are left out.
-
-    Raises:
-        InvalidConfiguration: one is missing.
-    """
+    """The positions of some joints, in their order; raises InvalidConfiguration where one is missing."""
     known = [str(name) for name in positions]
     for name in joint_names:
         if name not in positions:

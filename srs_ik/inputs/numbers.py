@@ -48,11 +48,7 @@ def real_number(value: Any) -> float:
 
 
 def as_flag(value: Any, what: str, error: type[SrsIkError] = InvalidConfiguration) -> bool:
-    """True or False, of Python or NumPy: text such as "no" would be true.
-
-    Raises:
-        error: it is neither; `what` names it.
-    """
+    """True or False, of Python or NumPy: text such as "no" would be true. Raises the error, which `what` begins."""
     if value is True or value is False:
         return value
     if isinstance(value, np.bool_):

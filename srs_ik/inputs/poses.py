@@ -97,11 +97,7 @@ def _is_message(pose: Any) -> bool:
 
 
 def as_rigid_matrix(pose: PoseLike) -> Array:
-    """A pose as a (4, 4) array, checked to be a rigid transform.
-
-    Raises:
-        InvalidPose: it is none.
-    """
+    """A pose as a (4, 4) array; raises InvalidPose for what is no rigid transform."""
     T = as_matrix(pose)
     verdict = check_pose(T)
     if verdict:
@@ -167,22 +163,14 @@ def invalid_pose(verdict: int, where: str = "") -> InvalidPose:
 
 
 def refuse_bad_poses(verdicts: NDArray[np.signedinteger]) -> None:
-    """Raise the error for the first of many poses that is none.
-
-    Raises:
-        InvalidPose: one is no finite rigid transform.
-    """
+    """Raise InvalidPose for the first of many poses that is no finite rigid transform."""
     if verdicts.any():
         bad = int((verdicts != 0).argmax())
         raise invalid_pose(int(verdicts[bad]), f" {bad} of {len(verdicts)}")
 
 
 def as_joint_vector(q: ArrayLike, what: str = "q") -> Array:
-    """Seven joint angles as a (7,) array of floats.
-
-    Raises:
-        InvalidConfiguration: not seven, not numbers, or not finite.
-    """
+    """Seven finite joint angles as a (7,) array of floats; raises InvalidConfiguration for anything else."""
     try:
         array = real_array(q)
     except (TypeError, ValueError):
@@ -195,11 +183,7 @@ def as_joint_vector(q: ArrayLike, what: str = "q") -> Array:
 
 
 def as_bounded_joint_vector(q: ArrayLike) -> Array:
-    """`as_joint_vector` for kernels, whose sines and cosines end at `LARGEST_ANGLE`.
-
-    Raises:
-        InvalidConfiguration: not seven, not numbers, not finite, or beyond `LARGEST_ANGLE`.
-    """
+    """`as_joint_vector` for kernels, whose sines and cosines end at `LARGEST_ANGLE`."""
     array = as_joint_vector(q)
     refuse_bad_angles(array, "q")
     return array
@@ -224,11 +208,7 @@ def as_joint_vectors(q: Any, what: str = "q") -> Array:
 
 
 def refuse_bad_angles(angles: Array, what: str) -> None:
-    """Raise the error for angles of any shape that no answer can be computed from.
-
-    Raises:
-        InvalidConfiguration: one is not finite, or beyond `LARGEST_ANGLE`.
-    """
+    """Raise InvalidConfiguration for angles of any shape of which one is not finite, or beyond `LARGEST_ANGLE`."""
     largest = float(np.abs(angles).max(initial=0.0))
     if not math.isfinite(largest):
         raise InvalidConfiguration(f"{what} has entries that are not finite numbers")
@@ -287,11 +267,7 @@ def seed_of(seeds: Array, i: int) -> Array | None:
 
 
 def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = InvalidConfiguration) -> float:
-    """A finite number above zero; `what` names it.
-
-    Raises:
-        error: it is none.
-    """
+    """A finite number above zero; raises the error, in which `what` names it, for anything else."""
     number = real_number(value)
     if not 0.0 < number < math.inf:
         raise error(f"{what} must be a positive number of {unit}, not {value!r:.40}")
@@ -315,11 +291,7 @@ def as_gravity(gravity: ArrayLike) -> Array:
 
 
 def as_arm_angle(arm_angle: float) -> float:
-    """A finite arm angle.
-
-    Raises:
-        InvalidConfiguration: not a finite number, or beyond `LARGEST_ANGLE`.
-    """
+    """A finite arm angle up to `LARGEST_ANGLE`; raises InvalidConfiguration for anything else."""
     value = real_number(arm_angle)
     if not abs(value) <= LARGEST_ANGLE:
         given = f"{arm_angle!r:.40}"
@@ -330,11 +302,7 @@ def as_arm_angle(arm_angle: float) -> float:
 
 
 def as_branch(branch: int | None) -> int:
-    """A branch number, or -1 for any.
-
-    Raises:
-        InvalidConfiguration: not an integer from 0 to 7.
-    """
+    """A branch number from 0 to 7, or -1 for any; raises InvalidConfiguration for anything else."""
     if branch is None:
         return -1
     if isinstance(branch, bool | np.timedelta64) or not isinstance(branch, int | np.integer) or not 0 <= branch <= 7:

@@ -67,11 +67,7 @@ def warn_of_degrees(what: str, rpy: Iterable[float]) -> None:
 
 
 def checked_order(order: Any) -> Order:
-    """The order of a quaternion.
-
-    Raises:
-        InvalidPose: it is neither "xyzw" nor "wxyz".
-    """
+    """The order of a quaternion, "xyzw" or "wxyz"; raises InvalidPose for any other."""
     if not isinstance(order, str) or order not in _TO_XYZW:
         raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r:.40}")
     return cast(Order, order)

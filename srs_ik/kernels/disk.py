@@ -43,12 +43,9 @@ def places(source: Path) -> list[Path]:
 
 
 def private_folder(*, make: bool) -> Path | None:
-    """A folder among the temporary ones that only this user can write to, or None.
+    """A folder among the temporary ones that only this user can write to, made where missing if `make`, or None.
 
     Machine code is run as it is read, so a folder that someone else has made or can replace is of no use.
-
-    Args:
-        make: whether to make it where it is missing.
     """
     with contextlib.suppress(OSError, AttributeError):
         above = Path(tempfile.gettempdir()).absolute()
@@ -66,12 +63,7 @@ def private_folder(*, make: bool) -> Path | None:
 
 
 class KernelCache(FunctionCache):  # type: ignore[misc]
-    """The machine code of one function on disk, for each signature.
-
-    Args:
-        function: the function.
-        stamp: gives what has to change where the machine code is out of date.
-    """
+    """The machine code of one function on disk, for each signature; out of date where what `stamp` gives changes."""
 
     def __init__(self, function: Callable[..., Any], stamp: Callable[[], str]) -> None:
         # The base class would look for a folder to write to, and stop where there is none.
@@ -172,11 +164,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]
 
 
 def _read(path: Path, key: Any) -> Any:
-    """What is left of a compiled function in a file.
-
-    Raises:
-        Exception: the file is missing, damaged or that of another function or signature.
-    """
+    """What is left of a compiled function in a file; raises where it is damaged, or that of another function."""
     content = path.read_bytes()
     if hashlib.sha256(content[_SUM:]).digest() != content[:_SUM]:
         raise ValueError(f"{path} is damaged")

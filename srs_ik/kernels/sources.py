@@ -29,12 +29,7 @@ def _of_content(path: Path) -> bytes:
 
 @cache
 def digest(path: Path, folder: Path) -> str:
-    """Digest of a kernel file and of every kernel file that it imports, however indirectly.
-
-    Args:
-        path: the file.
-        folder: the folder of all kernels.
-    """
+    """Digest of a kernel file and of every file in the folder of all kernels that it imports, however indirectly."""
     files, waiting = {path, folder / "jit.py"}, [path]
     while waiting:
         new = set(_imported(waiting.pop(), folder)) - files

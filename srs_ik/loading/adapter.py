@@ -66,12 +66,10 @@ def names_xacro(path: str | Path) -> bool:
 
 
 def hand_axes(limb: SrsLimb) -> tuple[Vector, Vector]:
-    """A hand as one would draw it: out from the wrist to the tip, and turned as the axis of the elbow at zero.
+    """Grasp and pronosupination direction, (3,) unit vectors in the tip frame, of a hand as one would draw it.
 
-    Where the tip lies in the wrist, it goes on along the forearm, or along the last axis of an XYX wrist.
-
-    Returns:
-        Grasp and pronosupination direction, (3,) orthogonal unit vectors in the tip frame.
+    That is out from the wrist to the tip, and turned as the axis of the elbow at zero. Where the tip lies in the wrist,
+    it goes on along the forearm, or along the last axis of an XYX wrist.
     """
     R_tip_base = limb.T_base_tip_zero[:3, :3].T
     reach = limb.T_base_tip_zero[:3, 3] - limb.wrist

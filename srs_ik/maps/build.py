@@ -80,11 +80,7 @@ def plan_map(
     velocity: ArrayLike | None = None,
     force: ArrayLike | None = None,
 ) -> Plan:
-    """What `build_map` would make; arguments as there.
-
-    Raises:
-        InvalidMap: they fit no map.
-    """
+    """What `build_map` would make, arguments as there; raises InvalidMap where they fit no map."""
     check_arm(arm)
     chosen = orientations_of(orientations)
     task = task_of(velocity, force)

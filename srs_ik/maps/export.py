@@ -56,11 +56,7 @@ def cloud(chart: Map, step: float | None = None) -> tuple[Array, Array]:
 
 
 def spacing(chart: Map, step: float | None) -> float:
-    """Distance between points, m: that of the map if not given.
-
-    Raises:
-        InvalidMap: it is none.
-    """
+    """Distance between points, m: that of the map if not given; raises InvalidMap for what is none."""
     return chart.plan.grid.step if step is None else checked_step(step, "the distance between points")
 
 

@@ -31,17 +31,11 @@ Direction = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """An arm in a scene, as workers get it.
+    """An arm in a scene, as workers get it."""
 
-    Attributes:
-        arm: the arm, with its bodies.
-        scene: what it must not touch.
-        digest: of both.
-    """
-
-    arm: Arm
-    scene: Scene
-    digest: str
+    arm: Arm  # the arm, with its bodies
+    scene: Scene  # what it must not touch
+    digest: str  # of both
 
 
 class Asked(NamedTuple):
@@ -86,11 +80,7 @@ def around_of(arm: Arm, scene: Scene | None) -> Around | None:
 
 
 def scene_digest(arm: Arm, scene: Scene) -> str:
-    """SHA-256 of all that collisions depend on: the objects and where they are, the arm's bodies, the margin.
-
-    Raises:
-        InvalidScene: this is no scene.
-    """
+    """SHA-256 of all that collisions depend on: the objects and where they are, the arm's bodies, the margin."""
     check_scene(scene)
     digest = hashlib.sha256(f"{scene.exact} {scene.margin!r}".encode())
     for thing in scene:

@@ -31,20 +31,13 @@ MOST_POSITIONS = 10**9
 
 @dataclass(frozen=True)
 class Grid:
-    """Centres of cells, evenly spaced.
+    """Centres of cells, evenly spaced."""
 
-    Attributes:
-        kind: "half-plane" (rho, z) or "box" (x, y, z).
-        step: distance between neighbours, metres.
-        lower: edges of the first cell, metres, in the frame of the map.
-        shape: cells along each direction.
-        T_base_map: pose of the frame of the map in the base frame, row by row. For a half-plane its z axis is axis 1.
-    """
-
-    kind: Kind
-    step: float
-    lower: tuple[float, ...]
-    shape: tuple[int, ...]
+    kind: Kind  # "half-plane" (rho, z) or "box" (x, y, z)
+    step: float  # distance between neighbours, metres
+    lower: tuple[float, ...]  # edges of the first cell, metres, in the frame of the map
+    shape: tuple[int, ...]  # cells along each direction
+    # pose of the frame of the map in the base frame, row by row. For a half-plane its z axis is axis 1.
     T_base_map: tuple[tuple[float, ...], ...]
 
     @property
@@ -101,12 +94,7 @@ def half_plane(arm: Arm, step: float) -> Grid:
 
 
 def box(arm: Arm, step: float, bounds: object = None) -> Grid:
-    """A box in the base frame.
-
-    Args:
-        arm: the arm.
-        step: metres.
-        bounds: (3, 2) lower and upper x, y and z, metres; all that the arm can reach if not given.
+    """A box in the base frame, `bounds` (3, 2) lower and upper x, y and z, metres: all that the arm can reach if None.
 
     Raises:
         InvalidMap: the step or the bounds are none.
@@ -134,11 +122,7 @@ def reach_of(arm: Arm) -> float:
 
 
 def checked_step(step: float, what: str = "the step of a map") -> float:
-    """A distance between positions, m.
-
-    Raises:
-        InvalidMap: it is none.
-    """
+    """A distance between positions, m; raises InvalidMap for what is none."""
     metres = math.nan if isinstance(step, bool) else real_number(step)
     if not 1e-4 <= metres <= 1e3:
         raise InvalidMap(f"{what} is a length from 0.0001 to 1000 m, not {quoted(step)}")

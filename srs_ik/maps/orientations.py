@@ -23,15 +23,10 @@ MOST = 600_000
 
 @dataclass(frozen=True)
 class Orientations:
-    """12 nside^2 directions with as many rolls each; orientation k has direction k // rolls and roll k % rolls.
+    """12 nside^2 directions with as many rolls each; orientation k has direction k // rolls and roll k % rolls."""
 
-    Attributes:
-        nside: HEALPix resolution, a power of two.
-        rolls: turns about each direction.
-    """
-
-    nside: int
-    rolls: int
+    nside: int  # HEALPix resolution, a power of two
+    rolls: int  # turns about each direction
 
     def __len__(self) -> int:
         return 12 * self.nside**2 * self.rolls
@@ -65,11 +60,7 @@ class Orientations:
 
 
 def orientations_of(count: int) -> Orientations:
-    """The grid of so many orientations, 12 x 4^k x rolls, whose directions and rolls are spaced most alike.
-
-    Raises:
-        InvalidMap: no grid has so many.
-    """
+    """The grid of so many orientations, 12 x 4^k x rolls, whose directions and rolls are spaced most alike."""
     grids = [
         Orientations(2**k, count // (12 * 4**k))
         for k in range(10)

@@ -129,11 +129,7 @@ def _checked(poses: Any) -> Array:
 
 
 def refuse_no_poses(T: Array) -> None:
-    """Raise the error for the first of (N, 4, 4) that is no finite rigid transform.
-
-    Raises:
-        InvalidPose: there is one.
-    """
+    """Raise InvalidPose for the first of (N, 4, 4) that is no finite rigid transform."""
     refuse_bad_poses(np.array([check_pose(each) for each in T], np.int8))
 
 

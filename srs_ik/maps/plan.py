@@ -63,25 +63,15 @@ YAW = "yaw"
 
 @dataclass(frozen=True)
 class Plan:
-    """What a map holds.
+    """What a map holds."""
 
-    Attributes:
-        robot: who is mapped, as it is written into the store.
-        grid: positions.
-        orientations: orientations.
-        measures: names of the measures.
-        arcs: arcs of yaw that a cell may have; 0 for a box.
-        scene: digest of the scene that `free` is for.
-        task: directions of velocity and force that `ratio` is for, base frame.
-    """
-
-    robot: dict[str, Any]
-    grid: Grid
-    orientations: Orientations
-    measures: tuple[str, ...]
-    arcs: int
-    scene: str | None = None
-    task: Task | None = None
+    robot: dict[str, Any]  # who is mapped, as it is written into the store
+    grid: Grid  # positions
+    orientations: Orientations  # orientations
+    measures: tuple[str, ...]  # names of the measures
+    arcs: int  # arcs of yaw that a cell may have; 0 for a box
+    scene: str | None = None  # digest of the scene that `free` is for
+    task: Task | None = None  # directions of velocity and force that `ratio` is for, base frame
 
     @property
     def cells(self) -> int:
@@ -134,11 +124,7 @@ def version() -> str:
 
 
 def plan_of(attributes: Any, where: Path) -> Plan:
-    """The plan of a store.
-
-    Raises:
-        InvalidMap: it is none, or one of another format.
-    """
+    """The plan of a store; raises InvalidMap where it is none, or one of another format."""
     try:
         if attributes["format"] != FORMAT:
             raise InvalidMap(f"{where} is a map of format {attributes['format']!r:.20}, not {FORMAT}; make it again")
@@ -172,11 +158,7 @@ def _task(task: Any) -> Task | None:
 
 
 def whole(value: Any, what: str, least: int = 0) -> int:
-    """A whole number.
-
-    Raises:
-        InvalidMap: it is none, less than `least`, or above `LARGEST`; `what` names it.
-    """
+    """A whole number from `least` to `LARGEST`; raises InvalidMap, in which `what` names it, for anything else."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= LARGEST:
         raise InvalidMap(f"{what} must be a whole number from {least} to {LARGEST:g}, not {quoted(value)}")
     return int(value)
@@ -259,11 +241,7 @@ def _finite(values: NDArray[np.float64]) -> list[float | None]:
 
 
 def refuse_senseless(plan: Plan, where: Path) -> None:
-    """Raise the error for a plan that was read and that nobody could have made; its sizes are bounded before any use.
-
-    Raises:
-        InvalidMap: it is one.
-    """
+    """Raise InvalidMap for a plan that nobody could have made; its sizes are bounded before any use."""
     try:
         sensible = _is_sensible(plan)
     except (KeyError, TypeError, ValueError, OverflowError):

@@ -30,11 +30,7 @@ Block = Sequence[slice]
 
 
 def zarr_module() -> Any:
-    """Zarr, which an extra brings.
-
-    Raises:
-        MissingExtra: it is not there.
-    """
+    """Zarr, which an extra brings; raises MissingExtra where it is not there."""
     try:
         import zarr
     except ImportError:
@@ -50,11 +46,7 @@ class Cells:
         self._damaged = damaged
 
     def __getitem__(self, at: Any) -> NDArray:
-        """Read cells.
-
-        Raises:
-            InvalidMap: they are damaged.
-        """
+        """Read cells; raises InvalidMap where they are damaged."""
         try:
             values: NDArray = self._array[at]
         except Exception:
@@ -72,23 +64,14 @@ class Cells:
 
 
 def folder_of(path: Any) -> Path:
-    """The folder of a store.
-
-    Raises:
-        InvalidMap: this is no path.
-    """
+    """The folder of a store; raises InvalidMap for what is no path."""
     if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
         raise InvalidMap(f"the folder of a map is a path or text, not {quoted(path)}")
     return Path(path)
 
 
 class Store:
-    """A map on disk.
-
-    Attributes:
-        path: its folder.
-        plan: what it holds.
-    """
+    """A map on disk: the folder at `path`, and the `plan` of what it holds."""
 
     def __init__(self, path: Path, *, writable: bool = False) -> None:
         zarr = zarr_module()
@@ -104,11 +87,7 @@ class Store:
         self._arrays: dict[str, Cells] = {}
 
     def array(self, name: str) -> Cells:
-        """An array of the store.
-
-        Raises:
-            InvalidMap: it is not there, or not of the size that the plan says.
-        """
+        """An array of the store; raises InvalidMap where it is not there, or not of the size that the plan says."""
         if name not in self._arrays:
             shape, dtype, chunks = _form_of(self.plan, name)
             try:
@@ -149,11 +128,7 @@ def checksum(values: Mapping[str, NDArray], names: Sequence[str]) -> int:
 
 
 def create(path: Path, plan: Plan) -> None:
-    """Make an empty store, whole or not at all.
-
-    Raises:
-        OSError: it cannot be written.
-    """
+    """Make an empty store, whole or not at all."""
     zarr = zarr_module()
     beside = path.absolute().parent
     beside.mkdir(parents=True, exist_ok=True)
@@ -228,11 +203,7 @@ def clear_leftovers(path: Path) -> None:
 
 
 def refuse_other(store: Store, plan: Plan) -> None:
-    """Raise the error for a store that is there and holds another map than the one that is asked for.
-
-    Raises:
-        InvalidMap: it is that of another robot, version, grid or set of measures.
-    """
+    """Raise InvalidMap for a store of another robot, version, grid or set of measures than is asked for."""
     there, wanted = store.plan.as_attributes(), plan.as_attributes()
     there["version"] = store.array(DONE) and _version(store)
     if there["robot"]["fingerprint"] != wanted["robot"]["fingerprint"]:

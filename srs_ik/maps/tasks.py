@@ -42,17 +42,11 @@ _COLUMNS = {
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """All that a worker needs to know, some ten kilobytes.
+    """All that a worker needs to know, some ten kilobytes."""
 
-    Attributes:
-        packed: the arm.
-        plan: the map.
-        around: the arm in the scene of the map, where it has one.
-    """
-
-    packed: PackedArm
-    plan: Plan
-    around: Around | None = None
+    packed: PackedArm  # the arm
+    plan: Plan  # the map
+    around: Around | None = None  # the arm in the scene of the map, where it has one
 
 
 def job_of(arm: Arm, plan: Plan, scene: Scene | None = None) -> Job:

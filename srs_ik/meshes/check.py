@@ -20,14 +20,10 @@ class Beyond(Exception):
 
 
 def check(content: bytes, kind: str) -> bool:
-    """Make sure that a mesh file, once read, is not much larger than its bytes.
+    """Make sure that a mesh file, once read, is not much larger than its bytes; whether it holds pictures.
 
-    Args:
-        content: of the file.
-        kind: its ending, in lower case. Files of the other kinds cannot say one thing twice.
-
-    Returns:
-        Whether the file holds pictures, which are to be left alone.
+    These are to be left alone. `kind` is its ending, in lower case; files of the other kinds cannot say one thing
+    twice.
 
     Raises:
         Beyond: it has too many pieces or numbers.

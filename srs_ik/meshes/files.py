@@ -51,10 +51,7 @@ class MeshFinder:
         self._own = [own or self._above[0]] if self._above else []
 
     def find(self, name: str) -> Path:
-        """The file of a mesh.
-
-        Args:
-            name: as the robot file gives it: `package://`, `file://`, an absolute path, or one relative to that file.
+        """The file of a mesh by its name in the robot file: `package://`, `file://`, absolute, or relative to that.
 
         Raises:
             MeshMissing: there is no such file where it may be, or it is no mesh.
@@ -120,9 +117,6 @@ class MeshShelf:
     def pieces(self, name: str) -> list[Piece]:
         """The pieces of a mesh in metres, each with its colour and opacity if it has any; not to be changed.
 
-        Args:
-            name: as the robot file gives it.
-
         Raises:
             MeshMissing: it is not found, cannot be read, is beyond the bounds, or holds no triangles.
         """
@@ -145,11 +139,7 @@ class MeshShelf:
 
 
 def file_size(path: Path) -> int:
-    """Bytes of a mesh file.
-
-    Raises:
-        MeshMissing: they are too many, or the file is gone.
-    """
+    """Bytes of a mesh file; raises MeshMissing where they are too many, or the file is gone."""
     try:
         size = path.stat().st_size
     except OSError as error:

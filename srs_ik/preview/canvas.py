@@ -35,11 +35,7 @@ _BEYOND = 1.02
 
 
 class Canvas:
-    """Draws solids under names such as ``robot/joint 3``, each name with a place of its own.
-
-    Args:
-        window: where to draw.
-    """
+    """Draws solids in a window under names such as ``robot/joint 3``, each name with a place of its own."""
 
     def __init__(self, window: Window) -> None:
         self._window = window
@@ -52,14 +48,10 @@ class Canvas:
         self._root["/Axes"].set_property("visible", False)
 
     def fit(self, stage: Stage, closer: bool = False) -> None:
-        """Bring all that is drawn before the camera, upright, with a floor of a grid below.
+        """Bring all that is drawn before the camera, upright, over a floor of a grid; `closer` if less is drawn, too.
 
         The camera turns about the origin and cannot be told otherwise, so it is the scene that moves. It stays as it is
         as long as everything is in view: it may have been turned by hand.
-
-        Args:
-            stage: how the arm stands.
-            closer: whether to come closer too, where less is drawn than before.
         """
         centre, radius = self._extent.sphere()
         if np.linalg.norm(centre - self._centre) + radius <= _BEYOND * self._radius and not (

@@ -70,11 +70,7 @@ def arc_solids(
 ) -> dict[int, list[Solid]]:
     """For each branch that has any, its intervals as arcs in the plane of the circle, each branch a step farther out.
 
-    Args:
-        arm: the arm.
-        q: (7,) any configuration of the pose that the intervals are of, rad.
-        intervals: feasible arm angles.
-        taken: those at which bodies meet, drawn dark and thin beside the others of their branch.
+    `q` is any configuration of their pose; arcs `taken`, at which bodies meet, are dark and thin beside the others.
     """
     circle = elbow_circle(arm, q)
     if circle is None:

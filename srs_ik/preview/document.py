@@ -23,17 +23,11 @@ POLICY = f"{_ALONE}; connect-src 'self'; base-uri 'none'; form-action 'none'"
 
 @dataclass(frozen=True)
 class Caption:
-    """What a page says beside its scene.
+    """What a page says beside its scene."""
 
-    Attributes:
-        title: what is shown.
-        lines: more about it, a line each.
-        legend: colour and meaning of what is drawn.
-    """
-
-    title: str
-    lines: Sequence[str] = ()
-    legend: Sequence[tuple[Rgb, str]] = ()
+    title: str  # what is shown
+    lines: Sequence[str] = ()  # more about it, a line each
+    legend: Sequence[tuple[Rgb, str]] = ()  # colour and meaning of what is drawn
 
     def json(self) -> str:
         """As the page takes it, safe in a script too."""
@@ -47,13 +41,7 @@ def live() -> str:
 
 
 def saved(caption: Caption, script: str, commands: Iterable[bytes]) -> str:
-    """The page that draws some commands and needs nothing else.
-
-    Args:
-        caption: what it says.
-        script: Meshcat's own.
-        commands: drawing commands, in their order.
-    """
+    """The page that draws some commands, in their order, by a script, Meshcat's own, and needs nothing else."""
     drawn = json.dumps([base64.b64encode(command).decode() for command in commands])
     return _page(caption.title, _ALONE, f"<script>{script}</script>", f"tell({caption.json()}); draw({drawn});")
 

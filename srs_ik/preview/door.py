@@ -26,11 +26,7 @@ MOST = 65535
 
 
 def as_port(value: Any) -> int:
-    """The port of a page, 0 for any that is free.
-
-    Raises:
-        PreviewError: there is no such port.
-    """
+    """The port of a page, 0 for any that is free; raises PreviewError for what is no port."""
     try:
         port = -1 if isinstance(value, bool) else operator.index(value)
     except TypeError:
@@ -60,12 +56,9 @@ class Door:
         return f"http://{HOST}:{self.port}/{self._token}/"
 
     def admits(self, target: str, hosts: Sequence[str], origins: Sequence[str]) -> bool:
-        """Whether a request, for a file or for a websocket, is answered.
+        """Whether a request for a target, the path from the first slash on, is answered, as a file or as a websocket.
 
-        Args:
-            target: what is asked for, from the first slash on.
-            hosts: its Host headers: one, of this machine and port.
-            origins: its Origin headers: none, or the page's own.
+        Its Host headers have to be one, of this machine and port; its Origin headers none, or the page's own.
         """
         # Browsers leave out the port that is a page's by default.
         port = "" if self.port == 80 else f":{self.port}"

@@ -54,11 +54,7 @@ class InteractivePreview(LivePage):
     """
 
     def __init__(
-        self,
-        arm: Arm,
-        q: ArrayLike | None = None,
-        package_dirs: Sequence[str | Path] = (),
-        port: int = 0,
+        self, arm: Arm, q: ArrayLike | None = None, package_dirs: Sequence[str | Path] = (), port: int = 0
     ) -> None:
         start = None if q is None else as_joint_vector(q)
         super().__init__(arm, package_dirs, port)

@@ -93,11 +93,7 @@ def posture_solids(posture: Posture, size: float) -> list[Solid]:
 
 
 def check_single(posture: Posture, task: Task | None) -> None:
-    """Make sure that one posture, and one task or none, are to be shown.
-
-    Raises:
-        InvalidTask: they are not.
-    """
+    """Raise InvalidTask unless one posture, and one task or none, are to be shown."""
     for thing, points, kind in ((posture, "hand", "Posture"), (task, "position", "Task")):
         point = getattr(thing, points, None)
         if point is None and not (kind == "Task" and thing is None):
@@ -107,11 +103,7 @@ def check_single(posture: Posture, task: Task | None) -> None:
 
 
 def check_part(part: str) -> None:
-    """Make sure that a part can be shown in three dimensions.
-
-    Raises:
-        InvalidTask: it cannot.
-    """
+    """Raise InvalidTask for a part that cannot be shown in three dimensions."""
     if part not in ("linear", "angular"):
         raise InvalidTask(f"part is 'linear' or 'angular' in a picture of three dimensions, not {part!r}")
 

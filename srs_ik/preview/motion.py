@@ -27,14 +27,9 @@ _SWEEP = 0.7
 
 
 def film(path: Any, dt: float) -> tuple[Array, float]:
-    """A joint path as evenly spaced frames, straight lines in joint space between its samples.
+    """A joint path (N, 7), rad, or a `PathSolution` as frames (M, 7) even in time, and how many there are a second.
 
-    Args:
-        path: (N, 7) joint angles, rad, or a `PathSolution`.
-        dt: time between two samples, seconds.
-
-    Returns:
-        (M, 7) frames, and how many there are a second.
+    Between its samples, which are `dt` apart, s, these are on straight lines in joint space.
 
     Raises:
         InvalidConfiguration: not N x 7 finite angles with N > 0, or dt is no positive number.

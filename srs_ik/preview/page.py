@@ -33,11 +33,7 @@ class Served(NamedTuple):
 
 
 def serve(port: int, label: str) -> Served:
-    """Viser's server on the loopback interface alone, in threads of this process and behind a door.
-
-    Args:
-        port: of the page; 0 for any that is free.
-        label: title of the page.
+    """Viser's server on the loopback interface alone, in threads of this process and behind a door; port 0 is any free.
 
     Raises:
         MissingExtra: viser is not installed.

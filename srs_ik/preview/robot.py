@@ -74,10 +74,6 @@ class Stage(NamedTuple):
 def look(arm: Arm, folders: Sequence[str | Path] = ()) -> Look:
     """The shapes of the whole robot: its meshes where they are found, else its primitive shapes, else its skeleton.
 
-    Args:
-        arm: the arm.
-        folders: folders to search for meshes, see `MeshFinder`.
-
     Raises:
         InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
     """
@@ -126,10 +122,9 @@ class _Drawn:
         self._creased: dict[tuple[str, tuple[float, ...]], list[Piece]] = {}
 
     def add(self, shapes: Sequence[Shape], joint: int, T_joint_link: Array) -> str:
-        """Draw the shapes of a link, none of them if one cannot be shown; those beyond the bounds are left out.
+        """Draw the shapes of a link, none of them if one cannot be shown: a clause that says why, empty if all can.
 
-        Returns:
-            A clause that says why one cannot be shown; empty if all can.
+        Those beyond the bounds are left out.
         """
         try:
             found = [(shape, self._pieces(shape)) for shape in shapes if not self._full(shape)]
@@ -155,11 +150,7 @@ class _Drawn:
         return full
 
     def _pieces(self, shape: Shape) -> list[Piece]:
-        """The shape in its own frame, not to be changed.
-
-        Raises:
-            MeshMissing: it cannot be shown.
-        """
+        """The shape in its own frame, not to be changed; raises MeshMissing where it cannot be shown."""
         key = shape.file, shape.size
         if shape.kind != "mesh":
             _check_extent(shape, max(shape.size))
@@ -173,11 +164,7 @@ class _Drawn:
 
 
 def _check_extent(shape: Shape, size: float) -> None:
-    """Make sure that a shape that reaches so far from its own origin, metres, stays near its link.
-
-    Raises:
-        MeshMissing: it does not.
-    """
+    """Raise MeshMissing where a shape reaches so far from its own origin, metres, that it leaves its link."""
     # The negation also holds for what is no number.
     if not size + float(np.abs(shape.T_link_shape[:3, 3]).max()) <= bounds.EXTENT:
         raise MeshMissing(f"a {shape.kind} reaches farther than {bounds.EXTENT:g} m from its link")

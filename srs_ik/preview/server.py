@@ -146,10 +146,7 @@ class _Bridge(ZMQWebSocketBridge):
 
 
 class Window(ViewerWindow):
-    """The drawing side: Meshcat's window on a server of its own, which it starts and closes.
-
-    Args:
-        port: of the page; 0 for any that is free.
+    """The drawing side: Meshcat's window on a server of its own, which it starts and closes; port 0 is any free.
 
     Raises:
         PreviewError: the port is taken, or there is none of this number.
@@ -177,29 +174,17 @@ class Window(ViewerWindow):
         self.zmq_socket.setsockopt(zmq.RCVTIMEO, _ANSWER_WITHIN)
 
     def send(self, command: Any) -> None:
-        """Carry out one drawing command.
-
-        Raises:
-            PreviewError: the preview is closed, or its server does not answer.
-        """
+        """Carry out one drawing command."""
         drawn = command.lower()
         self._ask([drawn["type"].encode(), drawn["path"].encode(), umsgpack.packb(drawn)])
 
     def tell(self, caption: Caption) -> None:
-        """Put a caption on the page.
-
-        Raises:
-            PreviewError: the preview is closed, or its server does not answer.
-        """
+        """Put a caption on the page."""
         self._ask([_CAPTION, caption.json().encode()])
         self._caption = caption
 
     def get_scene(self) -> str:
-        """The scene as one HTML page that needs nothing else.
-
-        Raises:
-            PreviewError: the preview is closed, or its server does not answer.
-        """
+        """The scene as one HTML page that needs nothing else."""
         return document.saved(self._caption, _SCRIPT.read_text(encoding="utf-8"), self._ask([_SCENE])[1:])
 
     def _ask(self, frames: list[bytes]) -> list[bytes]:

@@ -26,19 +26,12 @@ _SMOOTHED = 200_000
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """Triangles of one colour.
+    """Triangles of one colour."""
 
-    Attributes:
-        mesh: vertices in metres; where vertices are shared the surface is drawn round.
-        colour: red, green, blue, 0 to 1.
-        opacity: 0 to 1.
-        overlaid: drawn over what lies in front of it, where the viewer can do that.
-    """
-
-    mesh: trimesh.Trimesh
-    colour: Rgb
-    opacity: float = 1.0
-    overlaid: bool = False
+    mesh: trimesh.Trimesh  # vertices in metres; where vertices are shared the surface is drawn round
+    colour: Rgb  # red, green, blue, 0 to 1
+    opacity: float = 1.0  # 0 to 1
+    overlaid: bool = False  # drawn over what lies in front of it, where the viewer can do that
 
     def faded(self, colour: Rgb, opacity: float) -> Solid:
         """The same triangles in another colour."""
@@ -109,16 +102,11 @@ def plate(centre: ArrayLike, normal: ArrayLike, radius: float) -> trimesh.Trimes
 def ring(
     centre: ArrayLike, across: ArrayLike, axis: ArrayLike, radius: float, start: float, end: float, thickness: float
 ) -> trimesh.Trimesh:
-    """A piece of a ring (torus), with round ends.
+    """A piece of a ring (torus), with round ends, from a start to an end angle, rad; 2 pi and more make a whole ring.
 
-    Args:
-        centre: (3,) its centre.
-        across: (3,) unit vector in its plane, where the angle is zero.
-        axis: (3,) unit vector across its plane, about which angles are right-handed.
-        radius: of the circle in the middle of the ring, metres.
-        start: first angle, rad.
-        end: last angle, rad; 2 pi and more after the first makes a whole ring.
-        thickness: radius of the section, metres.
+    `across` (3,) is the unit vector in its plane where the angle is zero, `axis` (3,) that across the plane, about
+    which angles are right-handed; `radius` is that of the circle in its middle, `thickness` that of the section,
+    metres.
     """
     c, u, w = (np.asarray(vector, dtype=float) for vector in (centre, across, axis))
     v = np.cross(w, u)

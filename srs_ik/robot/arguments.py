@@ -10,32 +10,20 @@ from srs_ik.errors import InvalidRobot, quoted
 
 
 def check_texts(**given: Any) -> None:
-    """Refuse what is neither text nor None.
-
-    Raises:
-        InvalidRobot: a value is of another kind; the message bears the name of its argument.
-    """
+    """Raise InvalidRobot, with the name of the argument, for what is neither text nor None."""
     for name, value in given.items():
         if value is not None and not isinstance(value, str):
             raise InvalidRobot(f"{name} is text, not {quoted(value)}")
 
 
 def check_path(name: str, value: Any) -> None:
-    """Refuse what is no path or text.
-
-    Raises:
-        InvalidRobot: the value is of another kind.
-    """
+    """Raise InvalidRobot for what is no path or text."""
     if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
         raise InvalidRobot(f"{name} is a path or text, not {quoted(value)}")
 
 
 def check_xacro_args(value: Any) -> None:
-    """Refuse what is no mapping of texts.
-
-    Raises:
-        InvalidRobot: the value is of another kind.
-    """
+    """Raise InvalidRobot for what is no mapping of texts."""
     if value is None:
         return
     if not isinstance(value, Mapping) or not all(isinstance(text, str) for pair in value.items() for text in pair):

@@ -106,15 +106,10 @@ def examine(
     tip: str | None = None,
     reference: Vector | None = None,
 ) -> Candidate:
-    """Recognise seven revolute joints of a robot.
+    """Recognise seven revolute joints of a robot, given by their indices from the base outwards.
 
-    Args:
-        description: the robot.
-        skeleton: its joints and frames.
-        joints: indices of the joints, from the base outwards.
-        base: name of the base frame; that of the description if the joints do not move it, else the link of joint 1.
-        tip: name of the tip frame; that of the description if joint 7 is the last that moves it, else the default tip.
-        reference: (3,) arm-angle reference in the base frame, if not that of the description or the default.
+    Where base or tip are not named, they are those of the description if the joints do not move the base, and joint 7
+    is the last that moves the tip; else the link of joint 1, and the default tip.
     """
     base = base or _meant_base(description, skeleton, joints) or skeleton.default_base(joints[0])
     tip = tip or _meant_tip(description, skeleton, joints) or skeleton.default_tip(joints[-1])
@@ -140,19 +135,12 @@ def examine(
 
 
 def weigh(candidates: Collection[Candidate], skeleton: Skeleton) -> list[Candidate]:
-    """Of candidates that share joints keep the best: limbs without a joint in common, then other chains.
+    """Of candidates that share joints keep the best: limbs without a joint in common, then others; in joint order.
 
     An exact limb goes before a near one, then the smaller miss, then the smaller elbow offset (three joints of a trunk
     and a shoulder can be a limb of their own, with the collar for an elbow), then the chain farther out. A refused
     chain that shares joints with a limb (trunk and arm, arm and finger) says nothing and is left out; of refused chains
     along one way from the root to an end, the one stays that lies most like a limb, and then whose axes miss least.
-
-    Args:
-        candidates: any candidates of one robot.
-        skeleton: its joints and frames.
-
-    Returns:
-        Limbs in the order of the robot's joints, then refused chains in that order.
     """
     accepted = [candidate for candidate in candidates if candidate.report.limb is not None]
     refused = [candidate for candidate in candidates if candidate.report.limb is None]

@@ -36,23 +36,14 @@ _UNIT_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Source:
-    """Where a group of figures in a robot's files comes from.
+    """Where a group of figures in a robot's files comes from."""
 
-    Attributes:
-        figures: which figures these are.
-        title: title of the publication, with its authors or publisher.
-        year: year of publication; None if it bears none.
-        url: address at its publisher or in a public repository; empty if it has none.
-        page: page, table or file in it; empty if the whole is meant.
-        note: what was done with the figures; empty if they are taken as they are.
-    """
-
-    figures: str
-    title: str
-    year: int | None = None
-    url: str = ""
-    page: str = ""
-    note: str = ""
+    figures: str  # which figures these are
+    title: str  # title of the publication, with its authors or publisher
+    year: int | None = None  # year of publication; None if it bears none
+    url: str = ""  # address at its publisher or in a public repository; empty if it has none
+    page: str = ""  # page, table or file in it; empty if the whole is meant
+    note: str = ""  # what was done with the figures; empty if they are taken as they are
 
 
 @dataclass(frozen=True)
@@ -74,42 +65,30 @@ class Placement:
 
 @dataclass(frozen=True)
 class RobotCard:
-    """Which chain of a robot to use, and how; everything that is None or empty is left as the description has it.
+    """Which chain of a robot to use, and how; everything that is None or empty is left as the description has it."""
 
-    Attributes:
-        name: short name.
-        places: where its description may be, the first that is there counts: absolute paths, or addresses as in
-            `srs_ik.loading.places`.
-        base: name of the base frame.
-        tip: name of the tip frame.
-        description: one line for lists.
-        side: "left" or "right" for an arm of that side of a body, else "either".
-        reference: arm-angle reference, a unit vector in the base frame; the arm angle is 0 where the elbow lies
-            towards it.
-        grasp: direction in which the hand grasps, a unit vector in the tip frame.
-        pronosupination: direction that says how the hand is turned about ``grasp``, a unit vector in the tip frame and
-            perpendicular to ``grasp``.
-        limits: for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s) and "effort" (N m) that
-            are not as in the description.
-        xacro: arguments for a description that is a xacro file.
-        tool: frame of a tool in the tip frame.
-        mount: the base frame in a frame of the surroundings.
-        sources: origin of each group of figures, by a short name of the group.
-    """
-
-    name: str
+    name: str  # short name
+    # where its description may be, the first that is there counts: absolute paths, or addresses as in
+    # `srs_ik.loading.places`
     places: tuple[str, ...]
-    base: str
-    tip: str
-    description: str = ""
+    base: str  # name of the base frame
+    tip: str  # name of the tip frame
+    description: str = ""  # one line for lists
+    # "left" or "right" for an arm of that side of a body, else "either"
     side: Literal["left", "right", "either"] = "either"
+    # arm-angle reference, a unit vector in the base frame; the arm angle is 0 where the elbow lies towards it
     reference: Vector | None = None
-    grasp: Vector | None = None
+    grasp: Vector | None = None  # direction in which the hand grasps, a unit vector in the tip frame
+    # direction that says how the hand is turned about ``grasp``, a unit vector in the tip frame and perpendicular to
+    # ``grasp``
     pronosupination: Vector | None = None
+    # for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s) and "effort" (N m) that are not as
+    # in the description
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    xacro: Mapping[str, str] = field(default_factory=dict)
-    tool: Placement | None = None
-    mount: Placement | None = None
+    xacro: Mapping[str, str] = field(default_factory=dict)  # arguments for a description that is a xacro file
+    tool: Placement | None = None  # frame of a tool in the tip frame
+    mount: Placement | None = None  # the base frame in a frame of the surroundings
+    # origin of each group of figures, by a short name of the group
     sources: Mapping[str, Source] = field(default_factory=dict)
 
     @property

@@ -22,47 +22,29 @@ class Chain(ReadOnlyArrays):
     """Seven revolute joints from a base frame to a tip frame, at the zero configuration, in the base frame.
 
     The arrays are read-only.
-
-    Attributes:
-        model: ``pinocchio.Model`` of exactly these joints; every other joint of the robot is locked at its neutral
-            position. Its nq is 7, and one more for each continuous joint.
-        base: name of the base frame; the seven joints do not move it.
-        tip: name of the tip frame, moved by joint 7.
-        base_id: index of the base frame in `model`, also where a joint bears the same name.
-        tip_id: index of the tip frame in `model`.
-        joint_names: the seven names, from the base outwards.
-        axes: (7, 3) unit directions of the joint axes.
-        points: (7, 3) a point on each joint axis, metres.
-        T_base_tip_zero: (4, 4) pose of the tip frame.
-        lower: (7,) lower joint limits, rad; -inf where continuous.
-        upper: (7,) upper joint limits, rad; inf where continuous.
-        velocity_limit: (7,) rad/s; inf where not given, which a URDF also says by 0 or a negative figure.
-        effort_limit: (7,) N m; inf where not given.
     """
 
+    # ``pinocchio.Model`` of exactly these joints; every other joint of the robot is locked at its neutral position. Its
+    # nq is 7, and one more for each continuous joint.
     model: Any
-    base: str
-    tip: str
-    base_id: int
-    tip_id: int
-    joint_names: tuple[str, ...]
-    axes: Vector
-    points: Vector
-    T_base_tip_zero: Vector
-    lower: Vector
-    upper: Vector
-    velocity_limit: Vector
-    effort_limit: Vector
+    base: str  # name of the base frame; the seven joints do not move it
+    tip: str  # name of the tip frame, moved by joint 7
+    base_id: int  # index of the base frame in `model`, also where a joint bears the same name
+    tip_id: int  # index of the tip frame in `model`
+    joint_names: tuple[str, ...]  # the seven names, from the base outwards
+    axes: Vector  # (7, 3) unit directions of the joint axes
+    points: Vector  # (7, 3) a point on each joint axis, metres
+    T_base_tip_zero: Vector  # (4, 4) pose of the tip frame
+    lower: Vector  # (7,) lower joint limits, rad; -inf where continuous
+    upper: Vector  # (7,) upper joint limits, rad; inf where continuous
+    velocity_limit: Vector  # (7,) rad/s; inf where not given, which a URDF also says by 0 or a negative figure
+    effort_limit: Vector  # (7,) N m; inf where not given
 
 
 def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain:
-    """Lock every joint but seven, and measure those between two frames.
+    """Lock every joint of a ``pinocchio.Model`` but seven, and measure those between two frames.
 
-    Args:
-        model: a ``pinocchio.Model``; it is not changed.
-        joints: indices of seven revolute joints, from the base outwards.
-        base: name of the base frame, anywhere on the robot where the seven joints do not move it.
-        tip: name of the tip frame.
+    The model is not changed; joints are given by their indices, from the base outwards.
 
     Raises:
         FrameNotFound: one of the frames does not exist.

@@ -23,12 +23,7 @@ Array = Vector
 
 
 def with_tool(chain: Chain, T_tip_tool: Array, name: str | None = None) -> Chain:
-    """The chain with a tool's frame for its tip.
-
-    Args:
-        chain: the chain, which stays as it is.
-        T_tip_tool: (4, 4) pose of the tool in the tip frame.
-        name: name of the tool's frame; by default "tool", numbered where that is taken.
+    """The chain with a tool's frame for its tip; by default it is named "tool", numbered where that is taken.
 
     Raises:
         InvalidRobot: a frame of that name exists, or the name is no text.
@@ -41,13 +36,9 @@ def with_tool(chain: Chain, T_tip_tool: Array, name: str | None = None) -> Chain
 
 
 def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None, gravity: Array | None = None) -> Chain:
-    """The chain with a frame of its surroundings for its base.
+    """The chain with a frame of its surroundings for its base; by default named "world", numbered where that is taken.
 
-    Args:
-        chain: the chain, which stays as it is.
-        T_newbase_base: (4, 4) pose of the present base frame in the new one.
-        name: name of the new base frame; by default "world", numbered where that is taken.
-        gravity: (3,) its acceleration in that frame, m/s^2; as it is in the chain if not given.
+    Its gravity (3,), m/s^2, is as it is in the chain if not given.
 
     Raises:
         InvalidRobot: a frame of that name exists, or the name is no text.
@@ -146,11 +137,7 @@ def _se3(T: Array) -> Any:
 
 
 def _rigid(T: Array) -> Array:
-    """The transform with the rotation that is nearest to its own, which may be one to a millionth only.
-
-    Raises:
-        InvalidRobot: it leads beyond `bounds.FARTHEST`.
-    """
+    """The transform with the rotation nearest to its own, one to a millionth; InvalidRobot beyond `bounds.FARTHEST`."""
     if np.abs(T[:3, 3]).max() > bounds.FARTHEST:
         raise InvalidRobot(f"a tool or base is no farther away than {bounds.FARTHEST:g} m, and xyz is in metres")
     U, _, V = np.linalg.svd(T[:3, :3])

@@ -35,28 +35,18 @@ _DATA = Path("share", "example-robot-data", "robots")
 
 @dataclass(frozen=True)
 class Found:
-    """A description that is here.
+    """A description that is here."""
 
-    Attributes:
-        path: its file.
-        xacro_args: arguments that its package gives to a xacro file.
-        packages: folders of the ROS packages that its package names.
-    """
-
-    path: Path
-    xacro_args: Mapping[str, str] = field(default_factory=dict)
-    packages: Mapping[str, str] = field(default_factory=dict)
+    path: Path  # its file
+    xacro_args: Mapping[str, str] = field(default_factory=dict)  # arguments that its package gives to a xacro file
+    packages: Mapping[str, str] = field(default_factory=dict)  # folders of the ROS packages that its package names
 
 
 def locate(places: Sequence[str], robot: str) -> Found:
-    """The first of some places at which there is a file.
-
-    Args:
-        places: paths or addresses.
-        robot: what error messages call the robot.
+    """The first of some places, paths or addresses, at which there is a file.
 
     Raises:
-        InvalidRobot: none is there, or an address is none; the message says what to do.
+        InvalidRobot: none is there, or an address is none; the message says what to do for the robot.
         MissingExtra: the only place needs a package that is not installed.
     """
     errors: list[SrsIkError] = []

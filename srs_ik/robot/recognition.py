@@ -26,23 +26,14 @@ MIN_SINE = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Recognition:
-    """What seven axes amount to.
+    """What seven axes amount to."""
 
-    Attributes:
-        kind: "exact" (all misses under 1e-6 m), "near", or "refused".
-        misses: (7,) distance of each axis from its centre, metres; zero for axis 4.
-        elbow_offset: larger distance of the elbow centre from axes 3 and 5 where these run along the arm, metres.
-        limb: the limb, or None if refused.
-        allowed: largest miss that would still be accepted, metres.
-        reason: one clause that says why it is refused, empty otherwise. Axes are numbered from 1.
-    """
-
-    kind: Literal["exact", "near", "refused"]
-    misses: Vector
-    elbow_offset: float
-    limb: SrsLimb | None
-    allowed: float
-    reason: str
+    kind: Literal["exact", "near", "refused"]  # "exact" (all misses under 1e-6 m), "near", or "refused"
+    misses: Vector  # (7,) distance of each axis from its centre, metres; zero for axis 4
+    elbow_offset: float  # larger distance of the elbow centre from axes 3 and 5 where these run along the arm, metres
+    limb: SrsLimb | None  # the limb, or None if refused
+    allowed: float  # largest miss that would still be accepted, metres
+    reason: str  # one clause that says why it is refused, empty otherwise. Axes are numbered from 1.
 
 
 def recognise(axes: Vector, points: Vector, T_base_tip_zero: Vector, reference: Vector | None = None) -> Recognition:

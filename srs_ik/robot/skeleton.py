@@ -43,11 +43,7 @@ class _Frame:
 
 
 class Skeleton:
-    """The joints and frames of a robot at its neutral configuration, looked up once for any number of questions.
-
-    Args:
-        model: a ``pinocchio.Model``; it is not changed.
-    """
+    """The joints and frames of a robot at its neutral configuration, looked up once for any number of questions."""
 
     def __init__(self, model: Any) -> None:
         self.model = model
@@ -90,13 +86,9 @@ class Skeleton:
         return found[::-1]
 
     def windows(self, excluded: Collection[str] = ()) -> list[tuple[int, ...]]:
-        """Every run of seven revolute joints of which each is the parent of the next.
+        """Indices of every run of seven revolute joints of which each is the parent of the next, by the last one.
 
-        Args:
-            excluded: names of joints that cannot take part, such as those that mimic another one.
-
-        Returns:
-            Joint indices of each run, from the base outwards, ordered by the last one.
+        Joints that are excluded by name cannot take part, such as those that mimic another one.
         """
         return [run[-7:] for run in self._runs(excluded) if len(run) >= 7]
 
@@ -113,13 +105,10 @@ class Skeleton:
         return runs
 
     def oddity(self, joints: Sequence[int]) -> int:
-        """How unlike a limb a run of joints lies in its robot: 0 for one that begins and ends where limbs do.
+        """How unlike a limb a run of consecutive joints lies in its robot: 0 where it begins and ends as limbs do.
 
         Limbs begin at the root, at a fork or behind a sliding joint, do not fork on the way, and end where nothing, a
         fork or a joint that is not revolute follows. Every exception counts 1.
-
-        Args:
-            joints: indices of consecutive revolute joints, from the base outwards.
         """
         before, after = self.parents[joints[0]], self._above[joints[-1]]
         begins_within = before != 0 and self._revolute[before] and len(self._above[before]) == 1
@@ -128,11 +117,7 @@ class Skeleton:
         return int(begins_within) + int(ends_within) + forks
 
     def find_frame(self, name: str) -> int:
-        """Index of the frame of a name; a link is preferred to a joint or sensor of the same name.
-
-        Raises:
-            FrameNotFound: there is none.
-        """
+        """Index of the frame of a name; a link is preferred to a joint or sensor of the same name."""
         matches = [(frame.rank, k) for k, frame in enumerate(self._frames) if frame.name == name]
         if not matches:
             raise FrameNotFound(name, self.frame_names(), robot=self.model.name)
@@ -152,11 +137,7 @@ class Skeleton:
         return self._frames[self.find_frame(frame)].joint
 
     def joints_between(self, base: str, tip: str) -> list[int]:
-        """Joints that move the tip frame but not the base frame, from the base outwards.
-
-        Raises:
-            FrameNotFound: one of the frames does not exist.
-        """
+        """Joints that move the tip frame but not the base frame, from the base outwards."""
         below = self.path(self.joint_of(base))
         return [joint for joint in self.path(self.joint_of(tip)) if joint not in below]
 
@@ -208,13 +189,7 @@ class Skeleton:
         return above == wanted
 
     def measure(self, joints: Sequence[int], base: str, tip: str) -> Lines:
-        """The axes of revolute joints as lines, by Pinocchio's Jacobian.
-
-        Args:
-            joints: indices of the joints.
-            base: name of the base frame.
-            tip: name of the tip frame.
-        """
+        """The axes of revolute joints between two frames as lines, by Pinocchio's Jacobian."""
         T_base_world = self._data.oMf[self.find_frame(base)].inverse()
         columns = [self.model.joints[joint].idx_v for joint in joints]
         axes = (T_base_world.rotation @ self._J_world[3:, columns]).T

@@ -23,52 +23,31 @@ from srs_ik.robot.places import DESCRIPTION, Found, described_names, is_fetched,
 
 @dataclass(frozen=True)
 class NamedRobot:
-    """A robot that `load` knows by name.
+    """A robot that `load` knows by name."""
 
-    Attributes:
-        name: what `load` takes.
-        description: one line for lists.
-        base: name of its base frame.
-        tip: name of its tip frame.
-        origin: where its description comes from.
-        install: what has to be done before it can be loaded, a pip command where one will do; empty if nothing.
-        fetched: whether its description comes over the network on first use.
-    """
-
-    name: str
-    description: str
-    base: str
-    tip: str
-    origin: str
-    install: str = ""
-    fetched: bool = False
+    name: str  # what `load` takes
+    description: str  # one line for lists
+    base: str  # name of its base frame
+    tip: str  # name of its tip frame
+    origin: str  # where its description comes from
+    install: str = ""  # what has to be done before it can be loaded, a pip command where one will do; empty if nothing
+    fetched: bool = False  # whether its description comes over the network on first use
 
 
 @dataclass(frozen=True, eq=False)
 class Description:
-    """A robot, and how it is meant to be used as far as its source says so.
+    """A robot, and how it is meant to be used as far as its source says so."""
 
-    Attributes:
-        robot: the model of the whole robot.
-        name: name for an arm of it.
-        base: name of the intended base frame, or None.
-        tip: name of the intended tip frame, or None.
-        reference: (3,) arm-angle reference in the frame `base`, or None.
-        hand: (2, 3) grasp and pronosupination direction in the frame `tip`, or None.
-        limits: limits that are not those of the model, by joint.
-        tool: frame of a tool in the frame `tip`, or None.
-        mount: the frame `base` in its surroundings, or None.
-    """
-
-    robot: RobotModel
-    name: str
-    base: str | None = None
-    tip: str | None = None
-    reference: Vector | None = None
-    hand: Vector | None = None
+    robot: RobotModel  # the model of the whole robot
+    name: str  # name for an arm of it
+    base: str | None = None  # name of the intended base frame, or None
+    tip: str | None = None  # name of the intended tip frame, or None
+    reference: Vector | None = None  # (3,) arm-angle reference in the frame `base`, or None
+    hand: Vector | None = None  # (2, 3) grasp and pronosupination direction in the frame `tip`, or None
+    # limits that are not those of the model, by joint
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    tool: Placement | None = None
-    mount: Placement | None = None
+    tool: Placement | None = None  # frame of a tool in the frame `tip`, or None
+    mount: Placement | None = None  # the frame `base` in its surroundings, or None
 
 
 def robots() -> list[str]:
@@ -80,11 +59,7 @@ def robots() -> list[str]:
 
 
 def catalogue() -> list[NamedRobot]:
-    """The robots of `robots`, in its order, each with whether it can be loaded in this installation.
-
-    Raises:
-        InvalidRobot: the card of a robot is damaged.
-    """
+    """The robots of `robots`, in its order, each with whether it can be loaded in this installation."""
     return [_entry(zoo.card(name)) for name in robots()]
 
 

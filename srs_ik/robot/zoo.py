@@ -18,20 +18,12 @@ def robots() -> list[str]:
 
 
 def adapters() -> list[str]:
-    """Names of the robots whose description comes from elsewhere, sorted.
-
-    Raises:
-        InvalidRobot: the installation has lost its folder of robots.
-    """
+    """Names of the robots whose description comes from elsewhere, sorted; InvalidRobot where their folder is lost."""
     return [name for name, here in _folders().items() if not here]
 
 
 def card(name: str) -> RobotCard:
-    """The card of a robot that has a name.
-
-    Raises:
-        InvalidRobot: there is no such robot, or its card is damaged.
-    """
+    """The card of a robot that has a name; raises InvalidRobot where there is none, or it is damaged."""
     known = _folders()
     if name not in known:
         raise InvalidRobot(

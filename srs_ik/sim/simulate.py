@@ -108,11 +108,7 @@ def simulate(
 
 
 def _checked(pushes: Any) -> tuple[Push, ...]:
-    """The pushes of a simulation.
-
-    Raises:
-        InvalidController: they are none, or a figure in one of them is none.
-    """
+    """The pushes of a simulation; raises InvalidController where they are none, or a figure in one is none."""
     found = things(pushes, Push, "pushes")
     for push in found:
         one_of(push.on, PLACES, "a push is on")

@@ -29,12 +29,7 @@ class SolutionDerivatives(NamedTuple):
 
 
 def solution_derivatives(by_pose: Array, by_angle: Array) -> SolutionDerivatives:
-    """See `Arm.solution_derivatives`.
-
-    Args:
-        by_pose: (6, 7) Jacobian of the tip point.
-        by_angle: (7,) derivatives of the arm angle.
-    """
+    """See `Arm.solution_derivatives`; from the Jacobian (6, 7) of the tip point and that (7,) of the arm angle."""
     U, stretch, V = np.linalg.svd(np.vstack([by_pose, by_angle]))
     if stretch[-1] < SMALLEST:
         return SolutionDerivatives(np.zeros((7, 6)), np.zeros(7), False)

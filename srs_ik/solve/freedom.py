@@ -89,11 +89,7 @@ def met_batch(
 
 
 def refuse_beside(free_axis: Any, **others: Any) -> None:
-    """Raise the error for what does not go with a free axis.
-
-    Raises:
-        InvalidTask: something of the kind is given.
-    """
+    """Raise InvalidTask for what does not go with a free axis."""
     given = [name for name, value in others.items() if value is not None and value is not False]
     if free_axis is not None and given:
         raise InvalidTask(f"free_axis leaves {given[0]} to be chosen, or knows nothing of it: give one of the two")

@@ -31,10 +31,7 @@ _WORST = 1e6
 class Search:
     """The best posture over intervals of arm angles, by samples, and by closing in on the best of them.
 
-    Args:
-        arm: the arm.
-        cost: of seven joint angles; lower is better.
-        seed: posture in whose turns joints come back, if there is one.
+    The cost is of seven joint angles, lower is better; joints come back in the turns of a seed, if there is one.
     """
 
     def __init__(self, arm: PackedArm, cost: Callable[[Array], float], seed: Array | None = None) -> None:

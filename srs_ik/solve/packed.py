@@ -49,45 +49,24 @@ there, with so much between two that touch, rad."""
 
 @dataclass(frozen=True, eq=False)
 class PackedArm:
-    """All that drivers of kernels need of an arm; every array is read-only.
+    """All that drivers of kernels need of an arm; every array is read-only."""
 
-    Attributes:
-        name: name of the robot, for messages.
-        tip: name of the tip frame, for messages.
-        joint_names: the 7 joint names, from shoulder to wrist.
-        lower: (7,) lower joint limits, rad; -inf where continuous.
-        upper: (7,) upper joint limits, rad; inf where continuous.
-        velocity_limit: (7,) rad/s; inf where the description gives none.
-        family: (4, SIZE) the packed limb, see `pack_family`.
-        hand: (HAND,) the packed hand, see `pack_hand`.
-        weights: (WEIGHTS,) the packed masses, see `pack_weights`.
-        shoulder: (3,) shoulder centre in the base frame, metres.
-        elbow: where the elbow is straight, and its limits.
-        closed: whether the closed form of the limb is the answer, without a correction on the true chain.
-    """
-
-    name: str
-    tip: str
-    joint_names: tuple[str, ...]
-    lower: Vector
-    upper: Vector
-    velocity_limit: Vector
-    family: Vector
-    hand: Vector
-    weights: Vector
-    shoulder: Vector
-    elbow: ElbowRange
-    closed: bool
+    name: str  # name of the robot, for messages
+    tip: str  # name of the tip frame, for messages
+    joint_names: tuple[str, ...]  # the 7 joint names, from shoulder to wrist
+    lower: Vector  # (7,) lower joint limits, rad; -inf where continuous
+    upper: Vector  # (7,) upper joint limits, rad; inf where continuous
+    velocity_limit: Vector  # (7,) rad/s; inf where the description gives none
+    family: Vector  # (4, SIZE) the packed limb, see `pack_family`
+    hand: Vector  # (HAND,) the packed hand, see `pack_hand`
+    weights: Vector  # (WEIGHTS,) the packed masses, see `pack_weights`
+    shoulder: Vector  # (3,) shoulder centre in the base frame, metres
+    elbow: ElbowRange  # where the elbow is straight, and its limits
+    closed: bool  # whether the closed form of the limb is the answer, without a correction on the true chain
 
 
 def pack_arm(arm: ChainKinematics, limb: SrsLimb, hand: Hand | None) -> PackedArm:
-    """What kernels know of an arm.
-
-    Args:
-        arm: the 7 joints of the description.
-        limb: the limb that was recognised in them.
-        hand: axes of the hand, where known.
-    """
+    """What kernels know of an arm: its 7 joints, the limb recognised in them, and the axes of the hand, where known."""
     family = pack_family(limb, arm.lower, arm.upper)
     return PackedArm(
         name=arm.name,
@@ -113,10 +92,7 @@ def limb_file(arm: PackedArm) -> bytes:
 def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
     """The limb packed four times, (4, SIZE), read-only: with limits and without, with strict and with loose tolerances.
 
-    Args:
-        limb: the recognised limb.
-        lower: (7,) lower joint limits, rad; -inf where there is none.
-        upper: (7,) upper joint limits, rad; inf where there is none.
+    Limits (7,) are in rad, infinite where there is none.
     """
     none = np.full(7, np.inf)
     # Two joints that cannot move leave arm angles without width, which only loose tolerances find.
@@ -243,9 +219,7 @@ def _angle(a: Vector, b: Vector) -> float:
 def pack_hand(limb: SrsLimb, hand: Hand | None) -> Vector:
     """What the posture of a task needs to know of the arm, (HAND,), read-only.
 
-    Args:
-        limb: the recognised limb.
-        hand: axes of the hand; without them, the hand is taken to reach out from the wrist straight to the tip.
+    Without axes of the hand, it is taken to reach out from the wrist straight to the tip.
     """
     T = limb.T_base_tip_zero
     wrist_in_tip = T[:3, :3].T @ (limb.wrist - T[:3, 3])
@@ -299,11 +273,7 @@ def _reach(limb: SrsLimb, stretch: float) -> tuple[float, float]:
 
 
 def pack_weights(arm: ChainKinematics) -> Vector:
-    """The masses of an arm as the kernels of gravity read them, (WEIGHTS,), read-only.
-
-    Raises:
-        InvalidRobot: a mass or its place is not finite.
-    """
+    """The masses of an arm as the kernels of gravity read them, (WEIGHTS,), read-only; InvalidRobot beyond floats."""
     frames = arm.joint_frames(np.zeros(7))
     W = np.empty(weight_at.WEIGHTS)
     for joint in range(7):

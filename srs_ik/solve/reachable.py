@@ -40,14 +40,10 @@ def reachable_batch(arm: PackedArm, poses: Any, threads: int | None = None) -> N
 
 
 def measured(arm: PackedArm, poses: Array, *, arcs: int = 0, margin: bool = False, threads: int | None = None) -> Array:
-    """What a map tells of poses: rows of a cell, as in `kernels.layout.maps`.
+    """What a map tells of poses (N, 4, 4): rows of a cell, as in `kernels.layout.maps`.
 
-    Args:
-        arm: the arm.
-        poses: (N, 4, 4) rigid transforms.
-        arcs: arcs of yaw to make room for; with any, all other measures are those with joint 1 free.
-        margin: whether the margin to the limits is wanted.
-        threads: at most so many; all processors if not given.
+    They have room for `arcs` of yaw; with any, all other measures are those with joint 1 free. Threads are all
+    processors if not given.
     """
     rows = np.zeros((len(poses), CELL_ARCS + 2 * arcs))
     family = free_first_joint(arm) if arcs else arm.family

@@ -256,11 +256,7 @@ class Solutions(_Rows, Sequence[Solution]):
     """
 
     def __init__(
-        self,
-        rows: Array,
-        joint_names: Sequence[str],
-        failure: Solution | None = None,
-        elbow: ElbowRange | None = None,
+        self, rows: Array, joint_names: Sequence[str], failure: Solution | None = None, elbow: ElbowRange | None = None
     ) -> None:
         super().__init__(rows, joint_names, elbow)
         self.failure = failure

@@ -106,13 +106,7 @@ class BatchTaskSolution(BatchSolution):
 
 
 def solve_task(
-    arm: PackedArm,
-    task: Task,
-    side: Side,
-    respect_limits: bool,
-    tie: Tie,
-    threads: int | None,
-    seed: ArrayLike | None,
+    arm: PackedArm, task: Task, side: Side, respect_limits: bool, tie: Tie, threads: int | None, seed: ArrayLike | None
 ) -> TaskSolution | BatchTaskSolution:
     """See `Arm.solve_task`."""
     sides, ties = signs(task, side, tie)

@@ -111,15 +111,10 @@ def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | 
 
 
 class _Batch:
-    """What is left of a batch, handed out in ranges.
+    """What is left of a batch of `count` poses, handed out in ranges that `work` does.
 
-    Args:
-        work: does the poses from a first to before a last one.
-        count: poses of the batch.
-        longest: poses of a range at most, but for those too few to be worth a call.
-        begun: poses that are done already.
-        parts: a range is at most one of so many parts of what is left.
-        shortest: poses of a range at least, where there are so many.
+    A range has at most `longest` poses and one of `parts` of what is left, and at least `shortest`, where there are so
+    many and more than too few to be worth a call; `begun` are done already.
     """
 
     def __init__(
@@ -193,9 +188,7 @@ def _help(done: Future[None], batch: _Batch, size: int) -> None:
 def interruptible(compute: Callable[[Stop], Result], *, worth_it: bool) -> Result:
     """compute(stop), where an interruption ends the waiting at once and sets stop[0], for kernels that look at it.
 
-    Args:
-        compute: what to compute.
-        worth_it: whether it takes long enough to be worth a thread; only the main thread can be interrupted.
+    Only the main thread can be interrupted, and only what is `worth_it` gets a thread for that.
     """
     stop = np.zeros(1, np.int8)
     if not worth_it or threading.current_thread() is not threading.main_thread():

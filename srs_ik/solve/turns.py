@@ -17,16 +17,10 @@ MOST_TURNS = 16
 
 
 class OverTurns:
-    """A cost of postures as the least in all turns that their joints have between the limits.
+    """A cost of postures, lower is better, as the least in all turns that their joints have between limits (7,), rad.
 
     Joints are turned one after another, until that makes nothing less. Joints without end, or with more turns than
-    `MOST_TURNS`, stay as they are.
-
-    Args:
-        cost: of seven joint angles, rad; lower is better.
-        lower: (7,) joint limits, rad.
-        upper: (7,) joint limits, rad.
-        respect: whether they count; without limits no joint is turned.
+    `MOST_TURNS`, stay as they are, and so do all where limits do not count.
     """
 
     def __init__(self, cost: Callable[[Array], float], lower: Array, upper: Array, respect: bool) -> None:

@@ -11,17 +11,10 @@ from pathlib import Path
 
 
 def write_whole(path: Path, content: bytes | str, *, replace: bool = True) -> Path:
-    """Write a file by way of one beside it, so that no reader ever finds a part of it; text is UTF-8.
+    """Write a file by way of one beside it, so that no reader ever finds a part of it, and return its path.
 
-    A link stays one, and a file keeps its permissions. Devices and pipes are written to as they are.
-
-    Args:
-        path: the file.
-        content: what is to stand in it.
-        replace: whether it may be there already.
-
-    Returns:
-        The path.
+    Text is UTF-8. A link stays one, and a file keeps its permissions. Devices and pipes are written to as they are.
+    Whether it may `replace` a file that is there, the caller says.
 
     Raises:
         OSError: it cannot be written, with `filename` the path; what was there before is still there.

@@ -11,12 +11,9 @@ OPT = 3
 
 
 def prepare(module: str, kept: set[str] | None, triple: str) -> bytes:
-    """A module for all processors of a machine: all but the kept symbols are seen by nobody else.
+    """A module, as Numba writes it, for all processors of a machine.
 
-    Args:
-        module: as Numba writes it.
-        kept: names that other modules use; None for all.
-        triple: the machine.
+    All but the kept symbols (None: all), which other modules use, are seen by nobody else.
     """
     machine = _machine(triple, "", "")
     whole = llvm.parse_assembly(module)

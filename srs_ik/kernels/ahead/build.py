@@ -35,11 +35,7 @@ HERE = platform.machine()
 Targets = tuple[tuple[str, str], ...]
 """Kinds of processors, the best last, and how C asks for them."""
 
-X86: Targets = (
-    ("x86-64-v2", "has_x86_64_v2()"),
-    ("x86-64-v3", "has_x86_64_v3()"),
-    ("x86-64-v4", "has_x86_64_v4()"),
-)
+X86: Targets = (("x86-64-v2", "has_x86_64_v2()"), ("x86-64-v3", "has_x86_64_v3()"), ("x86-64-v4", "has_x86_64_v4()"))
 
 NEEDED = {
     "x86-64-v3": {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"},
@@ -69,11 +65,7 @@ def own_kind() -> tuple[str, str]:
 
 
 def is_portable() -> bool:
-    """Whether SRS_IK_BUILD asks for all kinds of processors.
-
-    Raises:
-        ValueError: it asks for something else.
-    """
+    """Whether SRS_IK_BUILD asks for all kinds of processors; raises ValueError for anything else."""
     asked = os.environ.get("SRS_IK_BUILD", "")
     if asked not in ("", "portable"):
         raise ValueError(f"SRS_IK_BUILD is portable or pure, not {asked}")
@@ -161,16 +153,10 @@ def _object(unit: Unit, machine: str, kind: str) -> bytes:
 
 
 def build(folder: Path, entries: tuple[Entry, ...], kinds: Targets, machine: str = HERE) -> None:
-    """Put the compiled kernels, the extension and the header into a folder.
+    """Put the compiled kernels, the extension and the header into a folder, for some kinds of processors of a machine.
 
-    Args:
-        folder: the folder.
-        entries: what to compile.
-        kinds: kinds of processors to compile for.
-        machine: kind of machine to compile for; for another than this one, CC has to name a compiler for it.
-
-    Raises:
-        NoCompiler: the glue cannot be compiled.
+    For another machine than this one, CC has to name a compiler for it; raises NoCompiler where the glue cannot be
+    compiled.
     """
     linking.c_compiler()
     begin = time.monotonic()

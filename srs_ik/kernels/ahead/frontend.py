@@ -90,10 +90,9 @@ class _Untouched(CodeLibrary):
 
 
 class Frontend:
-    """Numba, made to translate only. What it has compiled in this process before must not be asked for again.
+    """Numba, made to translate only; `found` is called whenever the types of one more function are known.
 
-    Args:
-        found: is called whenever the types of one more function are known.
+    What it has compiled in this process before must not be asked for again.
     """
 
     def __init__(self, found: Callable[[Frontend], None] = lambda frontend: None) -> None:

@@ -21,11 +21,7 @@ class NoCompiler(Exception):
 
 
 def c_compiler() -> list[str]:
-    """The command of a C compiler: that of CC, cc, or zig.
-
-    Raises:
-        NoCompiler: there is none.
-    """
+    """The command of a C compiler, that of CC, cc, or zig; raises NoCompiler where there is none."""
     named = shlex.split(os.environ.get("CC", ""))
     if named and shutil.which(named[0]):
         return named
@@ -40,13 +36,7 @@ def c_compiler() -> list[str]:
 def link(folder: Path, name: str, objects: Sequence[Path]) -> tuple[Path, Path]:
     """Compile the glue in a folder and link it: the library of kernels, and the extension that calls it.
 
-    Args:
-        folder: with `library.c`, `runtime.c`, `extension.c` and the header; the results are put there.
-        name: of the library.
-        objects: the kernels.
-
-    Raises:
-        NoCompiler: the C compiler fails.
+    The folder has `library.c`, `runtime.c`, `extension.c` and the header; raises NoCompiler where the compiler fails.
     """
     compiler = [*c_compiler(), *OPTIONS]
     mac = platform.system() == "Darwin"

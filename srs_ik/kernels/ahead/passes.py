@@ -53,8 +53,7 @@ class Plain(PassManager):
 class Halves:
     """Numba's passes, cut in two for as long as `postponing`.
 
-    Args:
-        wait: takes the call that writes the code of a function that has types, and returns its name.
+    `wait` takes the call that writes the code of a function that has types, and returns its name.
     """
 
     def __init__(self, wait: Callable[[Callable[[], str]], None]) -> None:

@@ -19,19 +19,12 @@ _USUAL = dict(line.split(": ", 1) for line in ARGUMENTS.strip().splitlines())
 
 @dataclass(frozen=True)
 class Argument:
-    """An argument of an entry.
+    """An argument of an entry."""
 
-    Attributes:
-        name: its name.
-        element: `float`, `int`, `byte` or `bool`.
-        shape: sizes of an array, a name where any size will do; None of a scalar.
-        written: whether the entry writes to the array.
-    """
-
-    name: str
-    element: str
-    shape: tuple[int | str, ...] | None
-    written: bool
+    name: str  # its name
+    element: str  # `float`, `int`, `byte` or `bool`
+    shape: tuple[int | str, ...] | None  # sizes of an array, a name where any size will do; None of a scalar
+    written: bool  # whether the entry writes to the array
 
 
 @dataclass(frozen=True)
@@ -56,11 +49,7 @@ class Entry:
 
 @cache
 def read_table(text: str = ENTRIES) -> tuple[Entry, ...]:
-    """All entries of the table.
-
-    Raises:
-        ValueError: a line cannot be read; it is named.
-    """
+    """All entries of the table; raises ValueError for a line that cannot be read."""
     return tuple(_entry(line) for line in re.sub(r"\n +", " ", text).strip().splitlines())
 
 

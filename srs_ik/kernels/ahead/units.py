@@ -43,12 +43,7 @@ class Unit(NamedTuple):
 
 
 def divide(text: str, entries: list[list[str]]) -> list[Unit]:
-    """Divide a module.
-
-    Args:
-        text: the module, as LLVM prints it; every function in it has a name.
-        entries: names of the entries of each part.
-    """
+    """Divide a module, as LLVM prints it with a name for every function, by the names of the entries of each part."""
     text = _NOTE.sub(r"\1}", text)
     found = {
         match[2].strip('@"'): _Function(

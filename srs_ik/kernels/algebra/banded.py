@@ -9,12 +9,9 @@ from srs_ik.kernels.jit import kernel
 
 @kernel
 def factor_band(B, n, width):
-    """Factor a matrix in place, by Cholesky.
+    """Factor a matrix with n unknowns in place, by Cholesky; `width` is that of the band, below the diagonal.
 
-    Args:
-        B: (n, width + 2) row i holds columns i - width to i of the matrix, and the right-hand side last.
-        n: unknowns.
-        width: of the band, below the diagonal.
+    Row i of B (n, width + 2) holds columns i - width to i of the matrix, and the right-hand side last.
     """
     for i in range(n):
         first = max(i - width, 0)

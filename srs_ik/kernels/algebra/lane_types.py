@@ -147,10 +147,7 @@ teach(whole_number, (EIGHT,), EIGHT, of_llvm("rint"))
 teach(where, (MASK, EIGHT, EIGHT), EIGHT, lambda builder, condition, a, b: builder.select(condition, a, b))
 teach(where, (types.boolean, types.float64, types.float64), types.float64, lambda builder, *args: builder.select(*args))
 teach(
-    as_bits,
-    (MASK,),
-    types.intp,
-    lambda builder, a: builder.zext(builder.bitcast(a, ir.IntType(LANES)), ir.IntType(64)),
+    as_bits, (MASK,), types.intp, lambda builder, a: builder.zext(builder.bitcast(a, ir.IntType(LANES)), ir.IntType(64))
 )
 teach(as_mask, (types.intp,), MASK, lambda builder, a: builder.bitcast(builder.trunc(a, ir.IntType(LANES)), BITS))
 teach(eight_of, (types.float64,) * LANES, EIGHT, _eight_of)

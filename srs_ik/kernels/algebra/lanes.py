@@ -22,15 +22,4 @@ from srs_ik.kernels.jit import BY_NUMBA
 if BY_NUMBA:
     import srs_ik.kernels.algebra.lane_types  # noqa: F401
 
-__all__ = [
-    "LANES",
-    "as_bits",
-    "as_mask",
-    "eight_of",
-    "gather",
-    "one_of",
-    "root",
-    "scatter",
-    "where",
-    "whole_number",
-]
+__all__ = ["LANES", "as_bits", "as_mask", "eight_of", "gather", "one_of", "root", "scatter", "where", "whole_number"]

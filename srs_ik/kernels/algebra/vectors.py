@@ -90,11 +90,7 @@ def rotate(axis, c, s, v):
     """The vector v turned about a unit axis by the angle with cosine c and sine s (Rodrigues)."""
     k = (1.0 - c) * dot(axis, v)
     x = cross(axis, v)
-    return (
-        c * v[0] + s * x[0] + k * axis[0],
-        c * v[1] + s * x[1] + k * axis[1],
-        c * v[2] + s * x[2] + k * axis[2],
-    )
+    return (c * v[0] + s * x[0] + k * axis[0], c * v[1] + s * x[1] + k * axis[1], c * v[2] + s * x[2] + k * axis[2])
 
 
 @kernel
@@ -107,17 +103,7 @@ def rotation(axis, c, s):
     xy = kx * y
     yz = ky * z
     zx = kz * x
-    return (
-        c + kx * x,
-        xy - s * z,
-        zx + s * y,
-        xy + s * z,
-        c + ky * y,
-        yz - s * x,
-        zx - s * y,
-        yz + s * x,
-        c + kz * z,
-    )
+    return (c + kx * x, xy - s * z, zx + s * y, xy + s * z, c + ky * y, yz - s * x, zx - s * y, yz + s * x, c + kz * z)
 
 
 @kernel
@@ -159,11 +145,7 @@ def times(A, B):
 @kernel
 def swing(a, b, c, cosine, sine):
     """The vector a + cosine b + sine c, on a circle."""
-    return (
-        a[0] + cosine * b[0] + sine * c[0],
-        a[1] + cosine * b[1] + sine * c[1],
-        a[2] + cosine * b[2] + sine * c[2],
-    )
+    return (a[0] + cosine * b[0] + sine * c[0], a[1] + cosine * b[1] + sine * c[1], a[2] + cosine * b[2] + sine * c[2])
 
 
 @kernel

@@ -14,8 +14,7 @@ TURN = 2.0 * math.pi
 @kernel
 def join_nearest(arcs, n):
     """Join the two pieces with the least gap between them, which only adds to the set; return how many are left."""
-    best = 0
-    gap = math.inf
+    best, gap = 0, math.inf
     for i in range(n - 1):
         if arcs[i + 1, 0] - arcs[i, 1] < gap:
             gap = arcs[i + 1, 0] - arcs[i, 1]
@@ -105,8 +104,7 @@ def cut_one(branch, lower, upper, arcs, n, out, first, count):
     """Append what a set leaves of an interval of a branch to rows of out; return the number of rows in use."""
     if upper <= lower:
         return count if contains(arcs, n, lower) else write_interval(out, first, count, branch, lower, upper)
-    at = lower
-    head = lower
+    at, head = lower, lower
     whole = upper - lower >= TURN
     for i in range(2 * n):
         shift = TURN if i >= n else 0.0
@@ -133,9 +131,7 @@ def cut_one(branch, lower, upper, arcs, n, out, first, count):
 @kernel
 def cut(found, n, arcs, counts, out):
     """Intervals of all branches less the set of their elbow, sorted, into rows of out; return their number."""
-    count = 0
-    first = 0
-    branch = -1
+    count, first, branch = 0, 0, -1
     for i in range(n):
         b = int(found[i, 0])
         if b != branch:

@@ -94,8 +94,7 @@ def resting_clearance(world, elbow, frames, most):
     """Least clearance, `most` if none is less, of pairs that no arm angle moves against each other: m, row of pairs."""
     still, turning = frames
     pairs = world.pairs
-    least = most
-    pair = NO_GROUP
+    least, pair = most, NO_GROUP
     for k in range(pairs.shape[0]):
         a, b = pairs[k, 0], pairs[k, 1]
         if is_turning(world, a) and not is_turning(world, b):

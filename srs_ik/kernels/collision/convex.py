@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import add, along, apply, apply_transposed, cross, dot, norm, scale, sub
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import add, along, apply, apply_transposed, cross, dot, load3, norm, scale, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.shapes import AXIS, CENTRE, CYLINDER, FIRST, HALF, KIND, LAST, RADIUS
 
@@ -24,15 +25,17 @@ CLOSE = 1e-7
 
 NOWHERE = (0.0, 0.0, 0.0)
 
+FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
+"""Corners of each face of a tetrahedron."""
+
 
 @kernel
 def farthest_point(shapes, i, d):
     """The point of a solid, without its radius where it has points, that lies farthest in a direction."""
     solids = shapes.solids
     if shapes.of_solid[i, KIND] == CYLINDER:
-        axis = (solids[i, AXIS], solids[i, AXIS + 1], solids[i, AXIS + 2])
+        axis, centre = load3(row(solids, i), AXIS), load3(row(solids, i), CENTRE)
         level = dot(axis, d)
-        centre = (solids[i, CENTRE], solids[i, CENTRE + 1], solids[i, CENTRE + 2])
         point = along(centre, solids[i, HALF] if level > 0.0 else -solids[i, HALF], axis)
         beside = along(d, -level, axis)
         length = norm(beside)
@@ -133,29 +136,22 @@ def on_tetrahedron(a, b, c, d):
     outside = max(max(faces[0], faces[1]), max(faces[2], faces[3]))
     if outside < 0.0:
         return NOWHERE, 15, -outside
+    corners = (a, b, c, d)
     best, used, least = a, 1, math.inf
-    if faces[0] >= 0.0:
-        point, bits = on_triangle(a, b, c)
-        if dot(point, point) < least:
-            best, used, least = point, bits, dot(point, point)
-    if faces[1] >= 0.0:
-        point, bits = on_triangle(a, b, d)
-        if dot(point, point) < least:
-            best, used, least = point, (bits & 3) | ((bits & 4) << 1), dot(point, point)
-    if faces[2] >= 0.0:
-        point, bits = on_triangle(a, c, d)
-        if dot(point, point) < least:
-            best, used, least = point, (bits & 1) | ((bits & 6) << 1), dot(point, point)
-    if faces[3] >= 0.0:
-        point, bits = on_triangle(b, c, d)
-        if dot(point, point) < least:
-            best, used, least = point, bits << 1, dot(point, point)
+    for face in range(4):
+        if faces[face] >= 0.0:
+            i, j, k = FACES[face]
+            point, bits = on_triangle(corners[i], corners[j], corners[k])
+            if dot(point, point) < least:
+                best, least = point, dot(point, point)
+                used = (bits & 1) << i | (bits >> 1 & 1) << j | (bits >> 2) << k
     return best, used, 0.0
 
 
 @kernel
-def on_simplex(a, b, c, d, n):
+def on_simplex(corners, n):
     """The point of the first n of four corners' hull that is nearest to the origin, the corners it needs, and depth."""
+    a, b, c, d = corners
     if n == 1:
         return a, 1, 0.0
     if n == 2:
@@ -168,25 +164,24 @@ def on_simplex(a, b, c, d, n):
 
 
 @kernel
+def with_corner(corners, k, w):
+    """Four corners with number k replaced."""
+    a, b, c, d = corners
+    return (w if k == 0 else a, w if k == 1 else b, w if k == 2 else c, w if k == 3 else d)
+
+
+@kernel
 def apart(shapes, i, j, frame, start, enough):
     """How far two solids are apart at least, m, and the unit normal of a plane between them, pointing from j to i.
 
-    Args:
-        shapes: the solids.
-        i: one of them.
-        j: another one; everything is told in its frame.
-        frame: matrix and shift of where the first is for the second.
-        start: a direction to begin with: the normal that was found before.
-        enough: whatever is at least so much is far enough, m.
-
-    Returns:
-        The distance, minus a depth that they have at least where they meet; and the normal.
+    All is told in the frame of j; `frame` is where i is for it, matrix and shift. The search begins at `start`, the
+    normal that was found before, and ends where it is `enough`, m. Where they meet, it is minus a depth that they have
+    at least.
     """
     round_ = roundness(shapes, i) + roundness(shapes, j)
     v, normal = start, start
     best, nearest = -math.inf, math.inf
-    a, b, c, d = NOWHERE, NOWHERE, NOWHERE, NOWHERE
-    n = 0
+    corners, n = (NOWHERE, NOWHERE, NOWHERE, NOWHERE), 0
     for _ in range(MOST_STEPS):
         length = norm(v)
         if length <= 1e-12:
@@ -197,15 +192,8 @@ def apart(shapes, i, j, frame, start, enough):
             best, normal = level, scale(1.0 / length, v)
         if best >= enough or nearest - round_ - best <= CLOSE:
             break
-        if n == 0:
-            a = w
-        elif n == 1:
-            b = w
-        elif n == 2:
-            c = w
-        else:
-            d = w
-        v, used, depth = on_simplex(a, b, c, d, n + 1)
+        corners = with_corner(corners, n, w)
+        v, used, depth = on_simplex(corners, n + 1)
         if depth > 0.0:
             return -depth - round_, normal
         reached = norm(v)
@@ -214,32 +202,10 @@ def apart(shapes, i, j, frame, start, enough):
             break
         nearest = reached
         # Corners that the nearest point needs, first.
-        n = 0
-        a2, b2, c2, d2 = a, b, c, d
-        if used & 1:
-            a, n = a2, 1
-        if used & 2:
-            if n == 0:
-                a = b2
-            else:
-                b = b2
-            n += 1
-        if used & 4:
-            if n == 0:
-                a = c2
-            elif n == 1:
-                b = c2
-            else:
-                c = c2
-            n += 1
-        if used & 8:
-            if n == 0:
-                a = d2
-            elif n == 1:
-                b = d2
-            else:
-                c = d2
-            n += 1
+        known, n = corners, 0
+        for k in range(4):
+            if used >> k & 1:
+                corners, n = with_corner(corners, n, known[k]), n + 1
         if n == 4:
             return -round_, normal
     # They meet within their radii, or rounding hides whether they do.

@@ -26,12 +26,12 @@ def bend_between(P, d, other):
 
 
 @kernel
-def drifted(P, place_, R, p, slack):
+def drifted(P, target, slack):
     """How far the links turning with the arm angle may be off, m, and the arm angle, rad: half a turn where by any."""
     drift = slack[DRIFT]
     if drift == 0.0:
         return 0.0, 0.0
-    d = norm(shoulder_to_wrist(P, R, p))
+    d = norm(shoulder_to_wrist(P, target.R, target.p))
     least = max(d - drift, P[NEAR])
     if drift >= d or least <= 0.0:
         return math.inf, math.pi
@@ -42,7 +42,7 @@ def drifted(P, place_, R, p, slack):
     upper = norm(reach)
     off = max(slack[REACH_UPPER] * turned, (upper + slack[REACH_FORE]) * turned + slack[REACH_FORE] * bent) + drift
     elbow = upper * turned + drift
-    from_line = elbow_from_line(P, place_)
+    from_line = elbow_from_line(P, target.place)
     return off, (math.asin(elbow / from_line) if elbow < from_line else math.pi)
 
 

@@ -152,15 +152,10 @@ def forbid_pair(world, k, elbow, frames, more, arcs, n, free):
 
 @kernel
 def forbid(world, elbow, frames, more, arcs, free):
-    """Write the forbidden arm angles of one elbow into arcs; return how many pieces they are.
+    """Write the forbidden arm angles of one elbow into arcs (MOST_ARCS, 2); return how many pieces they are.
 
-    Args:
-        world: the tables, their balls seen.
-        elbow: 0 or 1.
-        frames: how rows are seen, `seen.still_frames` and `seen.turning_frames`.
-        more: what has to be left between two bodies, m.
-        arcs: (MOST_ARCS, 2) output.
-        free: (MOST_ARCS, 2) work space.
+    The balls of the world are seen, rows by `frames`, those of `seen.still_frames` and `seen.turning_frames`; `more` is
+    what has to be left between two bodies, m, and `free` (MOST_ARCS, 2) work space.
     """
     n = 0
     for k in range(world.pairs.shape[0]):

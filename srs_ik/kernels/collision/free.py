@@ -9,7 +9,7 @@ import numpy as np
 from srs_ik.kernels.collision.arcs import add_all, add_arc, cut
 from srs_ik.kernels.collision.drift import drifted
 from srs_ik.kernels.collision.forbidden import forbid
-from srs_ik.kernels.collision.seen import see_balls, still_frames, turning_frames
+from srs_ik.kernels.collision.seen import frames_of_elbow, still_frames
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.collision import MARGIN, MOST_ARCS
 
@@ -31,21 +31,19 @@ def widened(arcs, n, by, free):
 
 
 @kernel
-def forbidden_arcs(P, spot, world, slack, arcs, counts, free):
+def forbidden_arcs(P, target, world, slack, arcs, counts, free):
     """Write the forbidden arm angles of both elbows into arcs (2, MOST_ARCS, 2), and how many pieces they are."""
-    R, p, place_ = spot.R, spot.p, spot.place
-    still = still_frames(P, place_, R, p)
-    off, wide = drifted(P, place_, R, p, slack)
+    still = still_frames(P, target)
+    off, wide = drifted(P, target, slack)
     for elbow in range(2):
-        frames = (still, turning_frames(P, place_, elbow))
-        see_balls(world, elbow, still, frames[1])
+        frames = frames_of_elbow(P, target, world, still, elbow)
         n = forbid(world, elbow, frames, slack[MARGIN] + off, arcs[elbow], free)
         counts[elbow] = widened(arcs[elbow], n, wide, free)
 
 
 @kernel
-def left_of(P, spot, found, world, slack, out):
+def left_of(P, target, found, world, slack, out):
     """Write what bodies leave of intervals (n, 3) of a pose into rows of out; return how many there are then."""
     arcs, counts = np.empty((2, MOST_ARCS, 2)), np.zeros(2, np.int64)
-    forbidden_arcs(P, spot, world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+    forbidden_arcs(P, target, world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
     return cut(found, found.shape[0], arcs, counts, out)

@@ -11,18 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from srs_ik.kernels.algebra.vectors import (
-    add,
-    along,
-    apply,
-    cross,
-    dot,
-    load3,
-    norm,
-    scale,
-    sub,
-    times,
-)
+from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, norm, scale, sub, times
 from srs_ik.kernels.collision.march import ANYWHERE, posture_on
 from srs_ik.kernels.collision.rates import fastest, rate_of, times_rate, turns
 from srs_ik.kernels.collision.seen import frame_at
@@ -39,17 +28,7 @@ from srs_ik.kernels.collision.shapes import (
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.collision import UPPER
 from srs_ik.kernels.layout.limb import AXES, POINTS
-from srs_ik.kernels.layout.shapes import (
-    AROUND,
-    BEFORE,
-    BEHIND,
-    FIRST_SOLID,
-    JOINT,
-    LAST_SOLID,
-    PLACE,
-    SPIN,
-    SPINS,
-)
+from srs_ik.kernels.layout.shapes import AROUND, BEFORE, BEHIND, FIRST_SOLID, JOINT, LAST_SOLID, PLACE, SPIN, SPINS
 from srs_ik.kernels.limb.limits import TURN
 
 NARROW = 1e-6
@@ -68,7 +47,7 @@ class Question(NamedTuple):
     """Two bodies of a pose, and what is to be left between them."""
 
     P: object
-    spot: object
+    target: object
     shapes: object
     frames: tuple
     """How rows are seen from the line S-W."""
@@ -198,7 +177,7 @@ def look_at_spin(question, psi, half):
     spins = question.spins
     if spins.many == 0:
         return half
-    q, met = posture_on(question.P, question.spot, psi, question.branch, ANYWHERE, question.space)
+    q, met = posture_on(question.P, question.target, psi, question.branch, ANYWHERE, question.space)
     if not met:
         return 0.0
     half = max(half, NARROW)
@@ -239,13 +218,8 @@ def keeps_off(shapes, pair, frames, normal, bounds, half):
     the least over the solid is concave in the angle: no less than its chord. What is left is half the square of the
     angle times the sinusoid's amplitude, at most.
 
-    Args:
-        shapes: the solids.
-        pair: the one that turns, and the one that stands still.
-        frames: how these are seen from the line.
-        normal: of the plane, for the second one.
-        bounds: what is to be left, m, and a distance from the line that no point of the first one exceeds.
-        half: rad.
+    The first of the pair turns, the normal is told for the second one; `bounds` are what is to be left, m, and a
+    distance from the line that no point of the first one exceeds.
     """
     one, there = frames
     margin, rate = bounds
@@ -314,7 +288,7 @@ def look_along_chain(question, psi, half):
     """The same of bodies of a branch as they spin."""
     shapes, margin = question.shapes, question.margin
     of_body = shapes.of_body
-    q, met = posture_on(question.P, question.spot, psi, question.branch, ANYWHERE, question.space)
+    q, met = posture_on(question.P, question.target, psi, question.branch, ANYWHERE, question.space)
     if not met:
         return 0.0
     half = max(half, NARROW)

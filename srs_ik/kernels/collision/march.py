@@ -14,7 +14,7 @@ from srs_ik.kernels.collision.motion import CLEAR, HIT
 from srs_ik.kernels.collision.moved import look_between
 from srs_ik.kernels.exact.intervals import write_interval
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.collision import MARGIN
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.near.at_angle import solve_at_angle
@@ -34,27 +34,25 @@ SKIPPED = 0.5
 
 
 @kernel
-def posture_on(P, spot, psi, branch, near, space):
+def posture_on(P, target, psi, branch, near, space):
     """The posture of a branch at an arm angle, in the turns next to another one, and whether there is one."""
     seeded = near[0] < math.inf
     seed = near if seeded else NO_SEED
-    target = Target(spot.R, spot.p, spot.place)
     q, _, cost = solve_at_angle(P, target, psi, branch, Goal(seeded, seed, False), space.J, space.A)
     return q, cost < OUTSIDE
 
 
 @kernel
-def look_ahead(P, spot, around, step, space):
+def look_ahead(P, target, around, step, space):
     """Look at a step (branch, arm angle, length, posture before): verdict, how much to skip, rad, posture behind."""
     world, slack, along = around
     branch, psi, length, before = step
-    target = Target(spot.R, spot.p, spot.place)
     middle, met = led_to(P, target, psi + 0.5 * length, branch, before, space.A)
     behind, also = led_to(P, target, psi + length, branch, middle, space.A)
     if not (met and also) and length <= SHORTEST:
         # Other means take a thousand times as long: only where no shorter step is left.
-        middle, met = posture_on(P, spot, psi + 0.5 * length, branch, before, space)
-        behind, also = posture_on(P, spot, psi + length, branch, before, space)
+        middle, met = posture_on(P, target, psi + 0.5 * length, branch, before, space)
+        behind, also = posture_on(P, target, psi + length, branch, before, space)
     if not (met and also):
         return HIT, 0.0, before
     verdict, least, moved = look_between(P, (before, middle, behind), world, slack, along)
@@ -65,21 +63,21 @@ def look_ahead(P, spot, around, step, space):
 
 
 @kernel
-def march(P, spot, around, interval, space, out, rows):
+def march(P, target, around, interval, space, out, rows):
     """Append the free parts of an interval (branch, lower, upper) to rows (first, count) of out; their number."""
     branch, lower, upper = interval
     first, count = rows
     inside = min(1e-9, 0.25 * (upper - lower))
     psi, last = lower + inside, upper - inside
-    before, met = posture_on(P, spot, psi, branch, ANYWHERE, space)
+    before, met = posture_on(P, target, psi, branch, ANYWHERE, space)
     start, length = math.inf, LONGEST
     while psi < last:
         length = min(length, last - psi)
         if not met:
             psi += SHORTEST
-            before, met = posture_on(P, spot, min(psi, last), branch, ANYWHERE, space)
+            before, met = posture_on(P, target, min(psi, last), branch, ANYWHERE, space)
             continue
-        verdict, skip, behind = look_ahead(P, spot, around, (branch, psi, length, before), space)
+        verdict, skip, behind = look_ahead(P, target, around, (branch, psi, length, before), space)
         if verdict == CLEAR:
             start = min(start, psi)
             psi, before = psi + length, behind
@@ -92,7 +90,7 @@ def march(P, spot, around, interval, space, out, rows):
             count = write_interval(out, first, count, branch, start, psi)
         start = math.inf
         psi += max(skip, min(length, SHORTEST))
-        before, met = posture_on(P, spot, min(psi, last), branch, ANYWHERE, space)
+        before, met = posture_on(P, target, min(psi, last), branch, ANYWHERE, space)
         length = max(length, SHORTEST)
     if start < last:
         count = write_interval(out, first, count, branch, start, last)
@@ -100,7 +98,7 @@ def march(P, spot, around, interval, space, out, rows):
 
 
 @kernel
-def march_all(P, spot, around, found, space, out):
+def march_all(P, target, around, found, space, out):
     """The free parts of all intervals in found (n, 3), sorted by branch, into rows of out; return their number.
 
     `around` are the bodies: `seen.World`, slack, and `shapes.Along` where shapes count, else None.
@@ -111,5 +109,5 @@ def march_all(P, spot, around, found, space, out):
         if b != branch:
             branch, first = b, count
         interval = (b, found[i, 1], found[i, 2])
-        count = march(P, spot, around, interval, space, out, (first, count))
+        count = march(P, target, around, interval, space, out, (first, count))
     return count

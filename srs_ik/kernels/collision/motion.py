@@ -19,20 +19,7 @@ from srs_ik.kernels.chain.kinematics import first_line, joint_line
 from srs_ik.kernels.collision.forbidden import distance_of, fixed_clearance
 from srs_ik.kernels.collision.seen import see_balls, see_group
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.collision import (
-    BASE,
-    DRIFT,
-    EXTENT,
-    FORE,
-    MARGIN,
-    NO_GROUP,
-    PLACE,
-    TIP,
-    UPPER,
-    U,
-    X,
-    Y,
-)
+from srs_ik.kernels.layout.collision import BASE, DRIFT, EXTENT, FORE, MARGIN, NO_GROUP, PLACE, TIP, UPPER, U, X, Y
 from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITION, TIP_ROTATION, WRIST_IN_TIP
 
 CLEAR = 0
@@ -83,15 +70,10 @@ def reach_from(world, g, centre, drift):
 
 @kernel
 def moved_by(world, g, inner, centres, turns, drift):
-    """How far joints outside of a place move the spheres of a group at most, m.
+    """How far joints outside of a place, that of the body that stands still, move the spheres of a group at most, m.
 
-    Args:
-        world: the tables, their balls seen.
-        g: the group.
-        inner: place of the body that stands still.
-        centres: of shoulder, elbow and wrist.
-        turns: sums of the turns of the joints at each of them, rad.
-        drift: how far their axes may miss them, m.
+    The joints at each of the centres of shoulder, elbow and wrist turn by `turns` in sum, rad; their axes may miss it
+    by the drift, m.
     """
     place = world.groups[g, PLACE]
     total = 0.0

@@ -7,22 +7,7 @@ from typing import NamedTuple
 
 from srs_ik.kernels.algebra.vectors import apply, cross, dot, load3, rotation, scale, sub, times
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.collision import (
-    BASE,
-    EXTENT,
-    FIRST,
-    FORE,
-    KIND,
-    LAST,
-    PLACE,
-    PLANES,
-    RHO,
-    TIP,
-    UPPER,
-    U,
-    X,
-    Y,
-)
+from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITION
 from srs_ik.kernels.limb.triangle import elbow_at
 
@@ -47,14 +32,13 @@ STILL = 3
 
 
 @kernel
-def still_frames(P, place_, R, p):
+def still_frames(P, target):
     """How rows at the base and at the tip are seen: matrix and shift of each."""
-    t, h0 = place_[0], place_[1]
+    t, h0, _, _, hand, _ = target.place
     b0 = cross(t, h0)
     M = (t[0], t[1], t[2], h0[0], h0[1], h0[2], b0[0], b0[1], b0[2])
     shoulder = load3(P, SHOULDER_CENTRE)
-    hand = place_[4]
-    moved = sub(sub(p, apply(hand, load3(P, TIP_POSITION))), shoulder)
+    moved = sub(sub(target.p, apply(hand, load3(P, TIP_POSITION))), shoulder)
     return (M, scale(-1.0, apply(M, shoulder))), (times(M, hand), apply(M, moved))
 
 
@@ -72,16 +56,16 @@ def turning_frames(P, place_, elbow):
 
 
 @kernel
-def see(world, i, frame, shift):
+def see(world, i, frame):
     """Look at one row of spheres."""
     bodies, local = world.bodies, world.local
     M, b = frame
     v = apply(M, (bodies[i, 0], bodies[i, 1], bodies[i, 2]))
-    local[i, U] = v[0] + b[0]
-    local[i, X] = v[1] + b[1]
-    local[i, Y] = v[2] + b[2]
-    local[i, RHO] = math.sqrt(local[i, X] * local[i, X] + local[i, Y] * local[i, Y])
-    local[i, EXTENT] = bodies[i, 3] + shift
+    local[i, at.U] = v[0] + b[0]
+    local[i, at.X] = v[1] + b[1]
+    local[i, at.Y] = v[2] + b[2]
+    local[i, at.RHO] = math.sqrt(local[i, at.X] * local[i, at.X] + local[i, at.Y] * local[i, at.Y])
+    local[i, at.EXTENT] = bodies[i, 3]
 
 
 @kernel
@@ -90,9 +74,9 @@ def see_plane(world, i, frame):
     bodies, local = world.bodies, world.local
     M, b = frame
     v = apply(M, (bodies[i, 0], bodies[i, 1], bodies[i, 2]))
-    local[i, U], local[i, X], local[i, Y] = v
-    local[i, RHO] = math.sqrt(v[1] * v[1] + v[2] * v[2])
-    local[i, EXTENT] = bodies[i, 3] + dot(v, b)
+    local[i, at.U], local[i, at.X], local[i, at.Y] = v
+    local[i, at.RHO] = math.sqrt(v[1] * v[1] + v[2] * v[2])
+    local[i, at.EXTENT] = bodies[i, 3] + dot(v, b)
 
 
 @kernel
@@ -101,34 +85,34 @@ def see_rows(world, g, stamp, frame):
     if world.ready[g] == stamp:
         return
     world.ready[g] = stamp
-    planes = world.groups[g, KIND] == PLANES
-    for i in range(world.groups[g, FIRST], world.groups[g, LAST]):
+    planes = world.groups[g, at.KIND] == at.PLANES
+    for i in range(world.groups[g, at.FIRST], world.groups[g, at.LAST]):
         if planes:
             see_plane(world, i, frame)
         else:
-            see(world, i, frame, 0.0)
+            see(world, i, frame)
 
 
 @kernel
 def is_turning(world, g):
     """Whether a group turns with the arm angle."""
-    return world.groups[g, PLACE] >= UPPER
+    return world.groups[g, at.PLACE] >= at.UPPER
 
 
 @kernel
 def frame_at(place, still, turning):
     """How rows of a place are seen."""
-    if place == BASE:
+    if place == at.BASE:
         return still[0]
-    if place == TIP:
+    if place == at.TIP:
         return still[1]
-    return turning[1] if place == FORE else turning[0]
+    return turning[1] if place == at.FORE else turning[0]
 
 
 @kernel
 def frame_of(world, g, still, turning):
     """How the rows of a group are seen."""
-    return frame_at(world.groups[g, PLACE], still, turning)
+    return frame_at(world.groups[g, at.PLACE], still, turning)
 
 
 @kernel
@@ -145,4 +129,20 @@ def see_balls(world, elbow, still, turning):
         if elbow == 0:
             world.ready[g] = 0
         if elbow == 0 or is_turning(world, g):
-            see(world, g, frame_of(world, g, still, turning), 0.0)
+            see(world, g, frame_of(world, g, still, turning))
+
+
+@kernel
+def frames_of_elbow(P, target, world, still, elbow):
+    """How rows are seen with an elbow, that still and turning, once the balls around the groups are looked at."""
+    turning = turning_frames(P, target.place, elbow)
+    see_balls(world, elbow, still, turning)
+    return still, turning
+
+
+@kernel
+def frames_of_either(P, target, world, elbow):
+    """The same with one elbow alone: what stands still is seen with the first one."""
+    still = still_frames(P, target)
+    frames = frames_of_elbow(P, target, world, still, 0)
+    return frames_of_elbow(P, target, world, still, 1) if elbow == 1 else frames

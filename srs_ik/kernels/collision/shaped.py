@@ -25,22 +25,10 @@ from srs_ik.kernels.collision.looks import (
     way_about_line,
     way_of_spin,
 )
-from srs_ik.kernels.collision.seen import see_balls, still_frames, turning_frames
+from srs_ik.kernels.collision.seen import frames_of_elbow, still_frames
 from srs_ik.kernels.collision.shapes import UNKNOWN, forget, is_whole
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.shapes import (
-    JOINT,
-    MOST_WAITING,
-    ONE,
-    OTHER,
-    RANGED,
-    REST_BRANCH,
-    REST_LOWER,
-    REST_PAIR,
-    REST_UPPER,
-    SPINS,
-    WATCHED,
-)
+from srs_ik.kernels.layout import shapes as at
 
 FINEST = 5e-4
 """Between what is free and what is not, so much is left undecided, rad."""
@@ -89,7 +77,7 @@ def certify(question, lower, upper, blocked, n, waiting):
     while count > 0:
         count -= 1
         a, b, before, behind = waiting[count, 0], waiting[count, 1], waiting[count, 2], waiting[count, 3]
-        if (looks > 0 and b - a < FINEST) or looks >= MOST_LOOKS or count + 2 >= MOST_WAITING:
+        if (looks > 0 and b - a < FINEST) or looks >= MOST_LOOKS or count + 2 >= at.MOST_WAITING:
             n = block(blocked, n, a, b)
             undecided += b - a
             continue
@@ -130,8 +118,8 @@ def closed_up(pieces, n):
 def put_rest(rest, count, pair, branch, piece):
     """Append a row for whoever knows the shapes themselves; return how many there are, those without room too."""
     if count < rest.shape[0]:
-        rest[count, REST_PAIR], rest[count, REST_BRANCH] = pair, branch
-        rest[count, REST_LOWER], rest[count, REST_UPPER] = piece
+        rest[count, at.REST_PAIR], rest[count, at.REST_BRANCH] = pair, branch
+        rest[count, at.REST_LOWER], rest[count, at.REST_UPPER] = piece
     return count + 1
 
 
@@ -168,12 +156,12 @@ def no_spins(room):
 @kernel
 def spins_that_hit(asked, pair, k, room):
     """The spins of the first of two bodies at which it meets the other one; found once for an elbow."""
-    P, spot, _, frames, shapes, space, margin = asked
-    joint, sign = spin_axis(shapes.of_body[pair[0], JOINT])
+    P, target, _, frames, shapes, space, margin = asked
+    joint, sign = spin_axis(shapes.of_body[pair[0], at.JOINT])
     if room.spin_counts[k] < 0:
         forget(shapes)
         way = way_of_spin(P, shapes, pair, frames)
-        question = Question(P, spot, shapes, frames, space, pair, -1, margin[0], ABOUT_LINE, way, no_spins(room))
+        question = Question(P, target, shapes, frames, space, pair, -1, margin[0], ABOUT_LINE, way, no_spins(room))
         room.spin_counts[k], _ = certify(question, -PI, PI, room.spins[k], 0, room.waiting)
     return Spins(room.spins[k], room.spin_counts[k], sign, joint)
 
@@ -181,12 +169,12 @@ def spins_that_hit(asked, pair, k, room):
 @kernel
 def of_elbow(elbow, asked, wanted, blocked, room, totals):
     """Of the arm angles wanted, add those that bodies forbid which turn as one or stand still: as `look_through`."""
-    P, spot, world, frames, shapes, space, margin = asked
+    P, target, world, frames, shapes, space, margin = asked
     n = 0
     for k in range(shapes.pairs.shape[0]):
-        pair = (shapes.pairs[k, ONE], shapes.pairs[k, OTHER])
-        row = shapes.pairs[k, WATCHED]
-        if row == RANGED or shapes.of_body[pair[0], SPINS] or shapes.of_body[pair[1], SPINS]:
+        pair = (shapes.pairs[k, at.ONE], shapes.pairs[k, at.OTHER])
+        row = shapes.pairs[k, at.WATCHED]
+        if row == at.RANGED or shapes.of_body[pair[0], at.SPINS] or shapes.of_body[pair[1], at.SPINS]:
             continue
         arcs, gaps = room.arcs[2], room.arcs[4]
         count = forbid_pair(world, row, elbow, frames, margin[1], arcs, 0, room.arcs[3])
@@ -195,7 +183,7 @@ def of_elbow(elbow, asked, wanted, blocked, room, totals):
         m = shared((arcs, count), wanted, (blocked, n), gaps)
         way = way_about_line(shapes, pair, frames)
         question = Question(
-            P, spot, shapes, frames, space, pair, -1 - elbow, margin[0], ABOUT_LINE, way, no_spins(room)
+            P, target, shapes, frames, space, pair, -1 - elbow, margin[0], ABOUT_LINE, way, no_spins(room)
         )
         n, undecided, rest = look_through(question, k, (gaps, m), (blocked, n), room, totals)
         totals = (undecided, rest)
@@ -205,15 +193,15 @@ def of_elbow(elbow, asked, wanted, blocked, room, totals):
 @kernel
 def of_branch(branch, asked, wanted, ranged, blocked, room, totals):
     """The same of bodies that spin, of one branch; `ranged` are the arm angles outside of the ranges of joints."""
-    P, spot, world, frames, shapes, space, margin = asked
+    P, target, world, frames, shapes, space, margin = asked
     pieces, n = blocked
     for k in range(shapes.pairs.shape[0]):
-        pair = (shapes.pairs[k, ONE], shapes.pairs[k, OTHER])
-        row = shapes.pairs[k, WATCHED]
+        pair = (shapes.pairs[k, at.ONE], shapes.pairs[k, at.OTHER])
+        row = shapes.pairs[k, at.WATCHED]
         arcs, gaps = room.arcs[2], room.arcs[4]
-        if row == RANGED:
+        if row == at.RANGED:
             m = shared(ranged, wanted, (pieces, n), gaps)
-        elif shapes.of_body[pair[0], SPINS] or shapes.of_body[pair[1], SPINS]:
+        elif shapes.of_body[pair[0], at.SPINS] or shapes.of_body[pair[1], at.SPINS]:
             count = forbid_pair(world, row, branch >> 2, frames, margin[1], arcs, 0, room.arcs[3])
             m = shared((arcs, count), wanted, (pieces, n), gaps) if count > 0 else 0
         else:
@@ -222,7 +210,7 @@ def of_branch(branch, asked, wanted, ranged, blocked, room, totals):
             way, spins, mode = way_about_line(shapes, pair, frames), no_spins(room), ALONG_CHAIN
             if only_spins(shapes, pair[0], pair[1]) and is_whole(shapes, pair[0], pair[1]):
                 spins, mode = spins_that_hit(asked, pair, k, room), AT_SPIN
-            question = Question(P, spot, shapes, frames, space, pair, branch, margin[0], mode, way, spins)
+            question = Question(P, target, shapes, frames, space, pair, branch, margin[0], mode, way, spins)
             n, undecided, rest = look_through(question, k, (gaps, m), (pieces, n), room, totals)
             totals = (undecided, rest)
     return n, totals[0], totals[1]
@@ -240,31 +228,18 @@ def branches_of(found, elbow):
 
 
 @kernel
-def free_by_shapes(P, spot, world, shapes, found, ranges, margins, space, room, out):
-    """Write what the solids of all pairs leave of intervals (n, 3) of a pose into rows of out.
+def free_by_shapes(P, target, world, shapes, found, ranges, margins, space, room, out):
+    """Write what the solids of all pairs leave of intervals (n, 3) of a pose of an exact limb into rows of out.
 
-    Args:
-        P: the limb, an exact one.
-        spot: the pose.
-        world: the spheres.
-        shapes: the solids.
-        found: (n, 3) the intervals, sorted by branch.
-        ranges: (m, 3) those of them in which ranges of joints keep bodies apart.
-        margins: what is to be left between shapes, m, and between spheres.
-        space: work space of the limb.
-        room: work space of the search.
-        out: (o, 3) output.
-
-    Returns:
-        How many rows of out are written, the width left undecided, and how many rows of the rest there are.
+    Intervals are sorted by branch. In `ranges` (m, 3), ranges of joints keep bodies apart; `margins` are what is to be
+    left between shapes and between spheres, m; `space` and `room` are work space. Returns how many rows of out are
+    written, the width left undecided, and how many rows of the rest there are.
     """
-    R, p, place_ = spot.R, spot.p, spot.place
-    still = still_frames(P, place_, R, p)
+    still = still_frames(P, target)
     totals = (0.0, 0)
     count = 0
     for elbow in range(2):
-        frames = (still, turning_frames(P, place_, elbow))
-        see_balls(world, elbow, still, frames[1])
+        frames = frames_of_elbow(P, target, world, still, elbow)
         for i in range(shapes.from_line.shape[0]):
             shapes.from_line[i] = UNKNOWN
         for k in range(shapes.pairs.shape[0]):
@@ -273,7 +248,7 @@ def free_by_shapes(P, spot, world, shapes, found, ranges, margins, space, room, 
         m = angles_of(found, found.shape[0], 0b1111 << 4 * elbow, wanted)
         if m == 0:
             continue
-        asked = (P, spot, world, frames, shapes, space, margins)
+        asked = (P, target, world, frames, shapes, space, margins)
         n, undecided, rest = of_elbow(elbow, asked, (wanted, m), blocked, room, (0.0, totals[1]))
         totals = (totals[0] + undecided * branches_of(found, elbow), rest)
         for branch in range(4 * elbow, 4 * elbow + 4):

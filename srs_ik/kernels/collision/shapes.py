@@ -7,29 +7,24 @@ from typing import NamedTuple
 
 from srs_ik.kernels.algebra.lane_trig import seven_turns
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, dot, load3, load9, norm, scale, sub, times
+from srs_ik.kernels.algebra.vectors import (
+    add,
+    along,
+    apply,
+    apply_transposed,
+    dot,
+    load3,
+    load9,
+    norm,
+    scale,
+    sub,
+    times,
+)
 from srs_ik.kernels.chain.kinematics import first_line, joint_line
 from srs_ik.kernels.collision.convex import apart, farthest_point, roundness
 from srs_ik.kernels.collision.seen import frame_at
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.shapes import (
-    AXIS,
-    BALL,
-    CENTRE,
-    CYLINDER,
-    FIRST,
-    FIRST_SOLID,
-    HALF,
-    HALF_SPACE,
-    INNER,
-    IS_WHOLE,
-    KIND,
-    LAST,
-    LAST_SOLID,
-    PLACE,
-    RADIUS,
-    SEGMENT,
-)
+from srs_ik.kernels.layout import shapes as at
 
 NORMALS = 16
 """Room for the planes between two bodies that were found last, by their solids."""
@@ -78,7 +73,7 @@ class Along(NamedTuple):
 @kernel
 def centre_of(shapes, i):
     """Centre of the ball around a solid."""
-    return shapes.solids[i, CENTRE], shapes.solids[i, CENTRE + 1], shapes.solids[i, CENTRE + 2]
+    return load3(row(shapes.solids, i), at.CENTRE)
 
 
 @kernel
@@ -124,20 +119,14 @@ def reach_from_line(shapes, i, frame):
         return known
     solids = shapes.solids
     largest = 0.0
-    if shapes.of_solid[i, KIND] == CYLINDER:
+    if shapes.of_solid[i, at.KIND] == at.CYLINDER:
         for sign in (-1.0, 1.0):
-            h = sign * solids[i, HALF]
-            end = (
-                solids[i, CENTRE] + h * solids[i, AXIS],
-                solids[i, CENTRE + 1] + h * solids[i, AXIS + 1],
-                solids[i, CENTRE + 2] + h * solids[i, AXIS + 2],
-            )
+            end = along(centre_of(shapes, i), sign * solids[i, at.HALF], load3(row(solids, i), at.AXIS))
             largest = max(largest, off_line(frame, end))
     else:
-        for k in range(shapes.of_solid[i, FIRST], shapes.of_solid[i, LAST]):
-            point = (shapes.points[k, 0], shapes.points[k, 1], shapes.points[k, 2])
-            largest = max(largest, off_line(frame, point))
-    largest += solids[i, RADIUS]
+        for k in range(shapes.of_solid[i, at.FIRST], shapes.of_solid[i, at.LAST]):
+            largest = max(largest, off_line(frame, load3(row(shapes.points, k), 0)))
+    largest += solids[i, at.RADIUS]
     shapes.from_line[i] = largest
     return largest
 
@@ -146,8 +135,8 @@ def reach_from_line(shapes, i, frame):
 def body_from_line(shapes, body, frames):
     """The same of a body that turns, where the arm angle is zero."""
     largest = 0.0
-    frame = frame_at(shapes.of_body[body, PLACE], frames[0], frames[1])
-    for i in range(shapes.of_body[body, FIRST_SOLID], shapes.of_body[body, LAST_SOLID]):
+    frame = frame_at(shapes.of_body[body, at.PLACE], frames[0], frames[1])
+    for i in range(shapes.of_body[body, at.FIRST_SOLID], shapes.of_body[body, at.LAST_SOLID]):
         largest = max(largest, reach_from_line(shapes, i, frame))
     return largest
 
@@ -160,12 +149,6 @@ def forget(shapes):
 
 
 @kernel
-def segment_of(shapes, i):
-    """From the centre of a solid to one end of the segment within it."""
-    return shapes.solids[i, SEGMENT], shapes.solids[i, SEGMENT + 1], shapes.solids[i, SEGMENT + 2]
-
-
-@kernel
 def limited(x):
     """The nearest figure between -1 and 1."""
     return min(max(x, -1.0), 1.0)
@@ -174,10 +157,11 @@ def limited(x):
 @kernel
 def depth_within(shapes, i, j, M, centre):
     """How deep the capsules within two solids are in each other, m; `centre` is where that of i is for that of j."""
-    inner, other = shapes.solids[i, INNER], shapes.solids[j, INNER]
+    inner, other = shapes.solids[i, at.INNER], shapes.solids[j, at.INNER]
     if inner < 0.0 or other < 0.0:
         return -1.0
-    a, b = apply(M, segment_of(shapes, i)), segment_of(shapes, j)
+    # From the centre of each to one end of the segment within it.
+    a, b = apply(M, load3(row(shapes.solids, i), at.SEGMENT)), load3(row(shapes.solids, j), at.SEGMENT)
     aa, ab, bb = dot(a, a), dot(a, b), dot(b, b)
     ca, cb = dot(centre, a), dot(centre, b)
     # The nearest points are centre + s a and t b.
@@ -208,12 +192,12 @@ START = (1.0, 0.0, 0.0)
 def gap(shapes, i, j, frame, slot, needed):
     """Distance of two solids as far as it matters, see `convex.apart`, beginning where the last search ended."""
     M, b = frame
-    if shapes.of_solid[j, KIND] == HALF_SPACE:
-        out = (shapes.solids[j, AXIS], shapes.solids[j, AXIS + 1], shapes.solids[j, AXIS + 2])
+    if shapes.of_solid[j, at.KIND] == at.HALF_SPACE:
+        out = load3(row(shapes.solids, j), at.AXIS)
         return least_along(shapes, i, frame, out) - dot(out, centre_of(shapes, j)), out
     centre = sub(add(apply(M, centre_of(shapes, i)), b), centre_of(shapes, j))
     length = norm(centre)
-    balls = shapes.solids[i, BALL] + shapes.solids[j, BALL]
+    balls = shapes.solids[i, at.BALL] + shapes.solids[j, at.BALL]
     if length - balls >= needed:
         return length - balls, (centre[0] / length, centre[1] / length, centre[2] / length)
     within = depth_within(shapes, i, j, M, centre)
@@ -232,11 +216,11 @@ def gap(shapes, i, j, frame, slot, needed):
 @kernel
 def is_whole(shapes, a, b):
     """Whether two bodies are nothing but their solids; to a half-space, a shape is as near as its hull."""
-    if shapes.of_solid[shapes.of_body[b, FIRST_SOLID], KIND] == HALF_SPACE:
+    if shapes.of_solid[shapes.of_body[b, at.FIRST_SOLID], at.KIND] == at.HALF_SPACE:
         return True
     for body in (a, b):
-        for i in range(shapes.of_body[body, FIRST_SOLID], shapes.of_body[body, LAST_SOLID]):
-            if shapes.of_solid[i, IS_WHOLE] == 0:
+        for i in range(shapes.of_body[body, at.FIRST_SOLID], shapes.of_body[body, at.LAST_SOLID]):
+            if shapes.of_solid[i, at.IS_WHOLE] == 0:
                 return False
     return True
 
@@ -257,18 +241,9 @@ def put_frames(P, q, frames):
     put_frame(frames, 0, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     _, _, M, b = first_line(P, turns[0])
     put_frame(frames, 1, M, b)
-    _, _, M, b = joint_line(P, 1, turns[1], M, b)
-    put_frame(frames, 2, M, b)
-    _, _, M, b = joint_line(P, 2, turns[2], M, b)
-    put_frame(frames, 3, M, b)
-    _, _, M, b = joint_line(P, 3, turns[3], M, b)
-    put_frame(frames, 4, M, b)
-    _, _, M, b = joint_line(P, 4, turns[4], M, b)
-    put_frame(frames, 5, M, b)
-    _, _, M, b = joint_line(P, 5, turns[5], M, b)
-    put_frame(frames, 6, M, b)
-    _, _, M, b = joint_line(P, 6, turns[6], M, b)
-    put_frame(frames, 7, M, b)
+    for joint in range(1, 7):
+        _, _, M, b = joint_line(P, joint, turns[joint], M, b)
+        put_frame(frames, joint + 1, M, b)
 
 
 @kernel

@@ -13,23 +13,7 @@ from srs_ik.kernels.control.frame import lay_axes
 from srs_ik.kernels.control.profile import energy, force
 from srs_ik.kernels.control.turning import grows
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.control import (
-    CONVERGING,
-    DAMPING,
-    ENERGY,
-    ERROR,
-    FORCE,
-    FRAME,
-    LARGEST,
-    LAST,
-    LAW,
-    LAW_A,
-    LAW_B,
-    MOVED,
-    PEAK,
-    PER_AXIS,
-    POWER,
-)
+from srs_ik.kernels.layout import control as at
 
 SMALLEST = 1e-150
 """A peak below this, m or rad, is none; its square would be no number."""
@@ -38,12 +22,12 @@ SMALLEST = 1e-150
 @kernel
 def response(port, size, peak, converging):
     """Force towards the target at an error of a size, after a peak; negative where it brakes."""
-    if not converging or peak < SMALLEST or port[LAW] > LAW_B:
+    if not converging or peak < SMALLEST or port[at.LAW] > at.LAW_B:
         return force(port, size)
-    if port[LAW] == LAW_A:
+    if port[at.LAW] == at.LAW_A:
         return force(port, peak) * (2.0 * size / peak - 1.0)
     pull = 4.0 * energy(port, peak) / peak * (size / peak - 0.5)
-    return max(-port[LARGEST], min(port[LARGEST], pull))
+    return max(-port[at.LARGEST], min(port[at.LARGEST], pull))
 
 
 @kernel
@@ -52,12 +36,12 @@ def remember(port, state, axis, size, growth):
 
     `growth` is the rate of the size for a target at rest, m/s or rad/s.
     """
-    was_growing = state[CONVERGING + axis] == 0.0
-    growing = grows(port, state, state[LAST + axis], size, growth, was_growing)
-    if growing or size > state[PEAK + axis]:
-        state[PEAK + axis] = size
-    state[LAST + axis] = size
-    state[CONVERGING + axis] = 0.0 if growing else 1.0
+    was_growing = state[at.CONVERGING + axis] == 0.0
+    growing = grows(port, state, state[at.LAST + axis], size, growth, was_growing)
+    if growing or size > state[at.PEAK + axis]:
+        state[at.PEAK + axis] = size
+    state[at.LAST + axis] = size
+    state[at.CONVERGING + axis] = 0.0 if growing else 1.0
     return not growing
 
 
@@ -67,7 +51,7 @@ def along_axis(port, state, axis, error, rate):
     size = abs(error)
     sign = math.copysign(1.0, error)
     converging = remember(port, state, axis, size, -sign * rate)
-    return sign * response(port, size, state[PEAK + axis], converging)
+    return sign * response(port, size, state[at.PEAK + axis], converging)
 
 
 @kernel
@@ -78,20 +62,20 @@ def along_axes(port, state, error, velocity):
         along_axis(port, state, 1, error[1], velocity[1]),
         along_axis(port, state, 2, error[2], velocity[2]),
     )
-    state[ENERGY] = energy(port, abs(error[0])) + energy(port, abs(error[1])) + energy(port, abs(error[2]))
+    state[at.ENERGY] = energy(port, abs(error[0])) + energy(port, abs(error[1])) + energy(port, abs(error[2]))
     return h
 
 
 @kernel
 def pull(port, state, error, velocity):
     """Force or torque (three figures) for an error vector and the velocity of what is pulled; notes what it did."""
-    if port[PER_AXIS] == 1.0:
+    if port[at.PER_AXIS] == 1.0:
         h = along_axes(port, state, error, velocity)
     else:
         lay_axes(port, state, error, velocity)
-        x = load3(state, FRAME)
-        y = load3(state, FRAME + 3)
-        z = load3(state, FRAME + 6)
+        x = load3(state, at.FRAME)
+        y = load3(state, at.FRAME + 3)
+        z = load3(state, at.FRAME + 6)
         e = (dot(x, error), dot(y, error), dot(z, error))
         v = (dot(x, velocity), dot(y, velocity), dot(z, velocity))
         f = along_axes(port, state, e, v)
@@ -103,17 +87,17 @@ def pull(port, state, error, velocity):
 def pull_angle(port, state, error, rate):
     """Torque for the error of one angle and its rate; notes what it did."""
     h = along_axis(port, state, 0, error, rate)
-    state[ENERGY] = energy(port, abs(error))
+    state[at.ENERGY] = energy(port, abs(error))
     return damped(port, state, (error, 0.0, 0.0), (rate, 0.0, 0.0), (h, 0.0, 0.0))[0]
 
 
 @kernel
 def damped(port, state, error, velocity, h):
     """A force with the damping of its port; notes the error, the force and the power of both."""
-    total = along(h, -port[DAMPING], velocity)
-    state[MOVED] = 0.0
+    total = along(h, -port[at.DAMPING], velocity)
+    state[at.MOVED] = 0.0
     for i in range(3):
-        state[ERROR + i] = error[i]
-        state[FORCE + i] = h[i]
-    state[POWER] = dot(total, velocity)
+        state[at.ERROR + i] = error[i]
+        state[at.FORCE + i] = h[i]
+    state[at.POWER] = dot(total, velocity)
     return total

@@ -15,21 +15,7 @@ from srs_ik.kernels.chain.newton import arm_angle, elbow_position, twist_to
 from srs_ik.kernels.control.impedance import pull, pull_angle
 from srs_ik.kernels.control.profile import force
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.control import (
-    ARM_ANGLE,
-    DERIVATIVES,
-    ELBOW,
-    ERROR,
-    FORCE,
-    JOINT,
-    JOINT_LIMIT,
-    KIND,
-    ORIENTATION,
-    POWER,
-    TARGET,
-    TIP,
-    TORQUE,
-)
+from srs_ik.kernels.layout import control as at
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist, target_frame
 
 STEEPEST = 20.0
@@ -55,7 +41,7 @@ def pull_point(port, state, point, joints, motion, torque):
     velocity = (0.0, 0.0, 0.0)
     for joint in range(joints):
         velocity = add(velocity, scale(motion.v[joint], point_velocity(motion.J, joint, point)))
-    h = pull(port, state, sub(load3(port, TARGET), point), velocity)
+    h = pull(port, state, sub(load3(port, at.TARGET), point), velocity)
     for joint in range(joints):
         torque[joint] += dot(point_velocity(motion.J, joint, point), h)
 
@@ -65,7 +51,7 @@ def turn_tip(port, state, motion, torque):
     """Turn the tip to the rotation of a port, about the axis of the shortest turn."""
     J = motion.J
     x, y, z, p = motion.frame
-    _, turn = twist_to(x, y, z, p, load9(port, TARGET), p)
+    _, turn = twist_to(x, y, z, p, load9(port, at.TARGET), p)
     velocity = (0.0, 0.0, 0.0)
     for joint in range(7):
         velocity = add(velocity, scale(motion.v[joint], (J[3, joint], J[4, joint], J[5, joint])))
@@ -86,27 +72,26 @@ def angle_at(P, motion):
 @kernel
 def turn_elbow(P, port, state, motion, work):
     """Turn the elbow about the line from shoulder to wrist, to the arm angle of a port."""
-    derivatives = work[DERIVATIVES]
+    derivatives = work[at.DERIVATIVES]
     exists = gradient(P, motion.q, motion.J, derivatives)[2]
-    rate = 0.0
-    steepness = 0.0
+    rate, steepness = 0.0, 0.0
     for joint in range(7):
         steepness = math.hypot(steepness, derivatives[joint])
     share = min(1.0, STEEPEST / steepness) if steepness > 0.0 else 0.0
     for joint in range(7):
         derivatives[joint] *= share
         rate += derivatives[joint] * motion.v[joint]
-    error = short_way(port[TARGET] - angle_at(P, motion)) if exists else 0.0
+    error = short_way(port[at.TARGET] - angle_at(P, motion)) if exists else 0.0
     h = pull_angle(port, state, error, rate)
     for joint in range(7):
-        work[TORQUE, joint] += derivatives[joint] * h
+        work[at.TORQUE, joint] += derivatives[joint] * h
 
 
 @kernel
 def keep_off(port, state, motion, torque):
     """Push a joint out of the zone before its lower or upper limit."""
-    joint = int(port[JOINT])
-    error = max(port[TARGET] - motion.q[joint], 0.0) + min(port[TARGET + 1] - motion.q[joint], 0.0)
+    joint = int(port[at.JOINT])
+    error = max(port[at.TARGET] - motion.q[joint], 0.0) + min(port[at.TARGET + 1] - motion.q[joint], 0.0)
     speed = motion.v[joint] if error != 0.0 else 0.0
     torque[joint] += pull_angle(port, state, error, speed)
 
@@ -114,30 +99,30 @@ def keep_off(port, state, motion, torque):
 @kernel
 def slow_down(port, state, motion, torque):
     """Brake a joint that is faster than its port lets it be, the more the faster."""
-    joint = int(port[JOINT])
+    joint = int(port[at.JOINT])
     v = motion.v[joint]
-    beyond = max(abs(v) - port[TARGET], 0.0)
+    beyond = max(abs(v) - port[at.TARGET], 0.0)
     h = -math.copysign(force(port, beyond), v)
-    state[ERROR] = -math.copysign(beyond, v)
-    state[FORCE] = h
-    state[POWER] = h * v
+    state[at.ERROR] = -math.copysign(beyond, v)
+    state[at.FORCE] = h
+    state[at.POWER] = h * v
     torque[joint] += h
 
 
 @kernel
 def act(P, port, state, motion, work):
     """Add the torques of one port to the row TORQUE of the work of a tick."""
-    kind = port[KIND]
-    torque = work[TORQUE]
-    if kind == TIP:
+    kind = port[at.KIND]
+    torque = work[at.TORQUE]
+    if kind == at.TIP:
         pull_point(port, state, motion.frame[3], 7, motion, torque)
-    elif kind == ORIENTATION:
+    elif kind == at.ORIENTATION:
         turn_tip(port, state, motion, torque)
-    elif kind == ELBOW:
+    elif kind == at.ELBOW:
         pull_point(port, state, elbow_position(P, motion.q), 3, motion, torque)
-    elif kind == ARM_ANGLE:
+    elif kind == at.ARM_ANGLE:
         turn_elbow(P, port, state, motion, work)
-    elif kind == JOINT_LIMIT:
+    elif kind == at.JOINT_LIMIT:
         keep_off(port, state, motion, torque)
     else:
         slow_down(port, state, motion, torque)

@@ -22,35 +22,21 @@ from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, tu
 from srs_ik.kernels.collision.free import forbidden_arcs, left_of
 from srs_ik.kernels.collision.march import march_all
 from srs_ik.kernels.collision.motion import CLEAR, look_along
-from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
+from srs_ik.kernels.collision.seen import World, frames_of_either, frames_of_elbow, still_frames
 from srs_ik.kernels.collision.shaped import Room, free_by_shapes
 from srs_ik.kernels.collision.shapes import NORMALS, Along, Shapes
 from srs_ik.kernels.exact.farthest import keep_branch
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.collision import (
-    DRIFT,
-    EDGE_AT,
-    EDGE_CLEARANCE,
-    EDGE_PAIR,
-    MARGIN,
-    MOST_ARCS,
-    NO_GROUP,
-    NOTHING_FREE,
-    WIDE_ARM_ANGLE,
-    WIDE_BRANCH,
-    WIDE_CLEARANCE,
-    WIDE_FIRST,
-    WIDE_SECOND,
-)
 from srs_ik.kernels.layout.limb import LIMITED, LOWER, UPPER
-from srs_ik.kernels.layout.path import Space, Spot
+from srs_ik.kernels.layout.path import Space
 from srs_ik.kernels.layout.shapes import MOST_SPINS, MOST_WAITING, RANGED, WATCHED
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import place, target_of
 from srs_ik.kernels.pose.any_bend import best_of
 from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.solve import best_posture, own_goal
@@ -65,13 +51,6 @@ SAFE = 1e-9
 """A posture whose clearance is larger than the margin by this, m, is not in a forbidden arc."""
 
 
-@kernel
-def spot_of(P, T):
-    """What all configurations of a pose share."""
-    R, p, _ = read_pose(row(T, 0))
-    return Spot(R, p, place(P, R, p))
-
-
 @entry
 def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, counts):
     """Forbidden arm angles of one pose: sorted pieces between -pi and pi, for each elbow.
@@ -80,14 +59,14 @@ def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, count
     """
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
-    forbidden_arcs(P, spot_of(P, T), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+    forbidden_arcs(P, target_of(P, row(T, 0)), world, slack, arcs, counts, np.empty((at.MOST_ARCS, 2)))
 
 
 @entry
 def free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found, n, out):
     """What bodies leave of the first n intervals of one pose in found (n, 3): number of rows written to out."""
     P = row(family, LIMITED)
-    return left_of(P, spot_of(P, T), found[:n], World(bodies, groups, pairs, local, ready), slack, out)
+    return left_of(P, target_of(P, row(T, 0)), found[:n], World(bodies, groups, pairs, local, ready), slack, out)
 
 
 @entry
@@ -95,7 +74,7 @@ def march(family, T, found, n, bodies, groups, pairs, slack, local, ready, out):
     """The same on the true chain of a near limb, along its curves: found (m, 3) is sorted by branch."""
     P = row(family, LIMITED)
     around = (World(bodies, groups, pairs, local, ready), slack, None)
-    return march_all(P, spot_of(P, T), around, found[:n], Space(scratch(6, 7), scratch(16, 9)), out)
+    return march_all(P, target_of(P, row(T, 0)), around, found[:n], Space(scratch(6, 7), scratch(16, 9)), out)
 
 
 @entry
@@ -110,17 +89,15 @@ def free_range(
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
     found = np.empty((MOST_INTERVALS, 3))
-    used = 0
-    i = first
+    used, i = 0, first
     while i < last and used + MOST_INTERVALS <= rows.shape[0]:
         R, p, verdicts[i] = read_pose(row(poses, i))
         counts[i] = 0
         if verdicts[i] == GOOD_POSE:
-            spot = Spot(R, p, place(P, R, p))
-            target = Target(R, p, place(row(limits, LIMITED), R, p))
-            n = exact_intervals(limits, target, respect, found)
+            n = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), respect, found)
             if n > 0:
-                counts[i] = left_of(P, spot, found[:n], world, slack, rows[used : used + MOST_INTERVALS])
+                target = Target(R, p, place(P, R, p))
+                counts[i] = left_of(P, target, found[:n], world, slack, rows[used : used + MOST_INTERVALS])
         used += counts[i]
         i += 1
     return i, used
@@ -131,12 +108,7 @@ def clearance(family, T, bodies, groups, pairs, local, ready, elbow, psi, out):
     """Least clearance of one pose at an arm angle into out (WIDE,), with the two groups that are nearest."""
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
-    R, p, _ = read_pose(row(T, 0))
-    place_ = place(P, R, p)
-    still = still_frames(P, place_, R, p)
-    see_balls(world, 0, still, turning_frames(P, place_, 0))
-    frames = (still, turning_frames(P, place_, elbow))
-    see_balls(world, elbow, still, frames[1])
+    frames = frames_of_either(P, target_of(P, row(T, 0)), world, elbow)
     least, pair = turning_clearance(world, elbow, frames, psi, 0, (-math.inf, math.inf))
     resting, other = resting_clearance(world, elbow, frames, math.inf)
     put_wide(world, psi, elbow << 2, min(least, resting), pair if least <= resting else other, out)
@@ -145,9 +117,9 @@ def clearance(family, T, bodies, groups, pairs, local, ready, elbow, psi, out):
 @kernel
 def put_wide(world, psi, branch, value, pair, out):
     """Write an arm angle with its clearance and the two groups that are nearest there."""
-    out[WIDE_ARM_ANGLE], out[WIDE_BRANCH], out[WIDE_CLEARANCE] = psi, branch, value
-    out[WIDE_FIRST] = world.pairs[pair, 0] if pair != NO_GROUP else NO_GROUP
-    out[WIDE_SECOND] = world.pairs[pair, 1] if pair != NO_GROUP else NO_GROUP
+    out[at.WIDE_ARM_ANGLE], out[at.WIDE_BRANCH], out[at.WIDE_CLEARANCE] = psi, branch, value
+    out[at.WIDE_FIRST] = world.pairs[pair, 0] if pair != at.NO_GROUP else at.NO_GROUP
+    out[at.WIDE_SECOND] = world.pairs[pair, 1] if pair != at.NO_GROUP else at.NO_GROUP
 
 
 @kernel
@@ -169,15 +141,13 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
     """
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
-    R, p, _ = read_pose(row(T, 0))
-    place_ = place(P, R, p)
-    still = still_frames(P, place_, R, p)
-    parts, arcs = np.empty((MOST_PARTS, 4)), np.empty((MOST_ARCS, 2))
+    target = target_of(P, row(T, 0))
+    still = still_frames(P, target)
+    parts, arcs = np.empty((MOST_PARTS, 4)), np.empty((at.MOST_ARCS, 2))
     best = -math.inf
-    out[WIDE_CLEARANCE] = -math.inf
+    out[at.WIDE_CLEARANCE] = -math.inf
     for elbow in range(2):
-        frames = (still, turning_frames(P, place_, elbow))
-        see_balls(world, elbow, still, frames[1])
+        frames = frames_of_elbow(P, target, world, still, elbow)
         resting, other = resting_clearance(world, elbow, frames, math.inf)
         psi, turning = 0.0, -math.inf
         # All branches of an elbow are as clear as each other.
@@ -185,7 +155,7 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
             ends = (arcs[i, 0], arcs[i, 1])
             psi, turning = widest_within(world, elbow, frames, ends, (psi, turning), tolerance, parts)
         branch = branch_at(found, n, elbow, psi)
-        if branch < 0 or (min(turning, resting), turning) <= (out[WIDE_CLEARANCE], best):
+        if branch < 0 or (min(turning, resting), turning) <= (out[at.WIDE_CLEARANCE], best):
             continue
         best = turning
         _, pair = turning_clearance(world, elbow, frames, psi, 0, (-math.inf, math.inf))
@@ -199,8 +169,7 @@ def best_within(family, T, found, n, branch, seed, seeded, respect, out):
     It is the one nearest to the seed where `seeded`, else the one farthest from the limits; branch -1 stands for all.
     """
     P = row(family, LIMITED)
-    spot, goal = spot_of(P, T), Goal(seeded, read7(seed), respect)
-    target = Target(spot.R, spot.p, spot.place)
+    target, goal = target_of(P, row(T, 0)), Goal(seeded, read7(seed), respect)
     q, best, lowest = best_of(family, target, found[:n], branch, goal)
     measure_row(P, target, q, best, lowest, respect, row(out, 0))
     return lowest
@@ -217,19 +186,14 @@ def is_within(limits, limited, q):
 
 
 @kernel
-def is_clear(P, spot, q, branch, world, slack):
+def is_clear(P, target, q, branch, world, slack):
     """Whether a posture of an exact limb certainly keeps the margin between all bodies."""
-    if slack[DRIFT] != 0.0:
+    if slack[at.DRIFT] != 0.0:
         return False
-    wanted = slack[MARGIN] + SAFE
+    wanted = slack[at.MARGIN] + SAFE
     elbow = branch >> 2
-    still = still_frames(P, spot.place, spot.R, spot.p)
-    frames = (still, turning_frames(P, spot.place, 0))
-    see_balls(world, 0, still, frames[1])
-    if elbow == 1:
-        frames = (still, turning_frames(P, spot.place, 1))
-        see_balls(world, 1, still, frames[1])
-    psi = arm_angle(P, q, spot.place[0], spot.place[1])
+    frames = frames_of_either(P, target, world, elbow)
+    psi = arm_angle(P, q, target.place[0], target.place[1])
     least, _ = turning_clearance(world, elbow, frames, psi, 0, (wanted, wanted + SAFE))
     if least <= wanted:
         return False
@@ -270,20 +234,17 @@ def solve_range(
     J, A = scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
         R, p, verdicts[i] = read_pose(row(poses, i))
-        out[i, ROW_STATUS] = NOTHING_FREE
+        out[i, ROW_STATUS] = at.NOTHING_FREE
         if verdicts[i] == GOOD_POSE:
-            spot = Spot(R, p, place(P, R, p))
-            goal, target = own_goal(seeds, i, respect), Target(R, p, spot.place)
+            goal, target = own_goal(seeds, i, respect), Target(R, p, place(P, R, p))
             q, best, lowest = best_posture(family, target, branch, goal, J, A)
-            if lowest < OUTSIDE and is_within(limits, limited, q) and is_clear(P, spot, q, best, world, slack):
+            if lowest < OUTSIDE and is_within(limits, limited, q) and is_clear(P, target, q, best, world, slack):
                 measure_row(P, target, q, best, lowest, respect, row(out, i))
                 continue
-            target = Target(R, p, place(row(limits, LIMITED), R, p))
-            n = exact_intervals(limits, target, limited, found)
-            n = left_of(P, spot, found[:n], world, slack, left) if n > 0 else 0
+            n = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), limited, found)
+            n = left_of(P, target, found[:n], world, slack, left) if n > 0 else 0
             n = keep_branch(left, n, branch) if branch >= 0 else n
             if n > 0:
-                target = Target(R, p, spot.place)
                 q, best, lowest = best_of(family, target, left[:n], branch, goal)
                 measure_row(P, target, q, best, lowest, respect, row(out, i))
 
@@ -301,8 +262,8 @@ def edges(family, starts, ends, bodies, groups, pairs, slack, local, ready, out)
     for i in range(starts.shape[0]):
         start = read7(row(starts, i))
         step = along7(read7(row(ends, i)), -1.0, start)
-        verdict, out[i, EDGE_AT], pair, out[i, EDGE_CLEARANCE] = look_along(P, start, step, world, row(slack, i))
-        out[i, EDGE_PAIR] = pair
+        verdict, out[i, at.EDGE_AT], pair, out[i, at.EDGE_CLEARANCE] = look_along(P, start, step, world, row(slack, i))
+        out[i, at.EDGE_PAIR] = pair
         hits += verdict != CLEAR
     return hits
 
@@ -340,18 +301,18 @@ def free_by_solids(
         How many rows of out are written, the width left undecided, rad, and how many rows of rest there are.
     """
     P = row(family, LIMITED)
-    R, p, _ = read_pose(row(T, 0))
     frames, normals = np.empty((8, 12)), np.empty((NORMALS, 3))
     shapes = Shapes(
         solids, of_solid, points, shaped, of_body, couples, outer, np.empty(solids.shape[0]), frames, normals
     )
     count = couples.shape[0]
     spins, spin_counts = np.empty((count, MOST_SPINS, 2)), np.empty(count, np.int64)
-    room = Room(np.empty((8, MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
+    room = Room(np.empty((8, at.MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
     world = World(bodies, groups, pairs, local, ready)
-    spot = Spot(R, p, place(P, R, p))
     space = Space(scratch(6, 7), scratch(16, 9))
-    return free_by_shapes(P, spot, world, shapes, found, ranges, (margin, slack[MARGIN]), space, room, out)
+    return free_by_shapes(
+        P, target_of(P, row(T, 0)), world, shapes, found, ranges, (margin, slack[at.MARGIN]), space, room, out
+    )
 
 
 @entry
@@ -376,7 +337,6 @@ def march_by_solids(
 ):
     """The same on the true chain of a near limb, along its curves: found (n, 3) is sorted by branch; rows of out."""
     P = row(family, LIMITED)
-    R, p, _ = read_pose(row(T, 0))
     frames, normals = np.empty((8, 12)), np.zeros((NORMALS, 3))
     shapes = Shapes(
         solids, of_solid, points, shaped, of_body, couples, outer, np.empty(solids.shape[0]), frames, normals
@@ -387,4 +347,4 @@ def march_by_solids(
             couple_of[couples[k, WATCHED]] = k
     along = Along(shapes, couple_of, np.empty((8, 12)), np.empty((8, 12)))
     around = (World(bodies, groups, pairs, local, ready), slack, along)
-    return march_all(P, Spot(R, p, place(P, R, p)), around, found, Space(scratch(6, 7), scratch(16, 9)), out)
+    return march_all(P, target_of(P, row(T, 0)), around, found, Space(scratch(6, 7), scratch(16, 9)), out)

@@ -12,15 +12,7 @@ from srs_ik.kernels.control.impedance import along_axis, response
 from srs_ik.kernels.control.ports import Motion, act
 from srs_ik.kernels.control.profile import energy, force
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.control import (
-    GRAVITY,
-    LARGEST_SPEED,
-    LINES,
-    MAX_TORQUE,
-    TORQUE,
-    TURNED,
-    WEIGHT,
-)
+from srs_ik.kernels.layout.control import GRAVITY, LARGEST_SPEED, LINES, MAX_TORQUE, TORQUE, TURNED, WEIGHT
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.poses import read7
 
@@ -83,8 +75,7 @@ def free_response(port, mass, start, dt, positions):
 
     The law of convergence in continuous time, by the method of Runge and Kutta of order 4.
     """
-    x = start
-    v = 0.0
+    x, v = start, 0.0
     for i in range(len(positions)):
         positions[i] = x
         a1 = -response(port, x, start, True) / mass
@@ -106,10 +97,7 @@ def sampled_response(port, state, setting, forces, out):
     out (n, 3) is position (m), speed (m/s) and force (N) at a sample; between two changes of the force the motion is
     a parabola, without error.
     """
-    mass = setting[0]
-    x = setting[1]
-    v = 0.0
-    period = setting[2]
+    mass, x, v, period = setting[0], setting[1], 0.0, setting[2]
     late = min(math.floor(setting[3] / period + 1e-9), len(forces) - 2)
     rest = max(setting[3] - late * period, 0.0)
     for i in range(len(forces)):
@@ -118,9 +106,7 @@ def sampled_response(port, state, setting, forces, out):
         for i in range(late + 1):
             forces[late + 1 - i] = forces[late - i]
         forces[0] = along_axis(port, state, 0, -x, v)
-        out[k, 0] = x
-        out[k, 1] = v
-        out[k, 2] = forces[0]
+        out[k, 0], out[k, 1], out[k, 2] = x, v, forces[0]
         a = forces[late + 1] / mass
         x += rest * (v + 0.5 * rest * a)
         v += rest * a

@@ -6,23 +6,11 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
-from srs_ik.kernels.layout.limb import (
-    BOTTOM_GAP,
-    IS_CLOSED,
-    LIMITED,
-    LOWER,
-    PHASE,
-    SHOULDER,
-    SIZE,
-    SLACK_LIMIT,
-    SLACK_SINGULAR,
-    TOP_GAP,
-    UPPER,
-    WRIST,
-)
 from srs_ik.kernels.layout.search import (
     SPLIT_ARM_ANGLE,
     SPLIT_BOTH,
@@ -58,17 +46,10 @@ def with_outer(q, first, q1, q3):
 
 
 @kernel
-def write_end(q, out, k):
-    """Write a posture from place k on."""
-    for j in range(7):
-        out[k + j] = q[j]
-
-
-@kernel
 def is_kept(P, q, first, respect):
     """Whether all joints but the two that are free keep their limits."""
     for j in range(7):
-        if j != first and j != first + 2 and respect and violation(P, j, q[j]) > P[SLACK_LIMIT]:
+        if j != first and j != first + 2 and respect and violation(P, j, q[j]) > P[at.SLACK_LIMIT]:
             return False
     return True
 
@@ -85,24 +66,24 @@ def ends(P, first, total, toward, respect):
 @kernel
 def first_turn(P, first, total, toward, respect):
     """The sum to begin with, and how many turns of it are told apart by the limits."""
-    low_1 = P[LOWER + first] if toward > 0.0 else -P[UPPER + first]
-    high_1 = P[UPPER + first] if toward > 0.0 else -P[LOWER + first]
-    least, most = low_1 + P[LOWER + first + 2], high_1 + P[UPPER + first + 2]
+    low_1 = P[at.LOWER + first] if toward > 0.0 else -P[at.UPPER + first]
+    high_1 = P[at.UPPER + first] if toward > 0.0 else -P[at.LOWER + first]
+    least, most = low_1 + P[at.LOWER + first + 2], high_1 + P[at.UPPER + first + 2]
     if not respect or not math.isfinite(least) or not math.isfinite(most):
         # The joint without limits makes any turn: take the sum next to zero.
         return total - TURN * math.floor(total / TURN + 0.5), 1
-    return total + TURN * math.ceil((least - total - P[SLACK_LIMIT]) / TURN), MOST_TURNS
+    return total + TURN * math.ceil((least - total - P[at.SLACK_LIMIT]) / TURN), MOST_TURNS
 
 
 @kernel
 def write_segments(P, q, k, first, respect, branch, both, psi, everywhere, out, n):
     """Write the segments of a posture whose spherical joint at block k is singular; return the rows in use."""
-    toward = 1.0 if math.cos(q[first + 1] - P[k + PHASE]) > 0.0 else -1.0
+    toward = 1.0 if math.cos(q[first + 1] - P[k + at.PHASE]) > 0.0 else -1.0
     total, turns = first_turn(P, first, toward * q[first] + q[first + 2], toward, respect)
     for i in range(turns):
         whole = total + TURN * i
         low, high = ends(P, first, whole, toward, respect)
-        if low > high + P[SLACK_LIMIT] or n >= out.shape[0]:
+        if low > high + P[at.SLACK_LIMIT] or n >= out.shape[0]:
             break
         a, b = (low, high) if toward > 0.0 else (high, low)
         r = row(out, n)
@@ -115,9 +96,9 @@ def write_segments(P, q, k, first, respect, branch, both, psi, everywhere, out, 
             x = a if end == 0 else b
             q1, q3 = toward * x, whole - x
             if respect:
-                q1 = min(max(q1, P[LOWER + first]), P[UPPER + first])
-                q3 = min(max(q3, P[LOWER + first + 2]), P[UPPER + first + 2])
-            write_end(with_outer(q, first, q1, q3), r, SPLIT_LOWER if end == 0 else SPLIT_UPPER)
+                q1 = min(max(q1, P[at.LOWER + first]), P[at.UPPER + first])
+                q3 = min(max(q3, P[at.LOWER + first + 2]), P[at.UPPER + first + 2])
+            store7(r, SPLIT_LOWER if end == 0 else SPLIT_UPPER, with_outer(q, first, q1, q3))
         n += 1
     return n
 
@@ -128,20 +109,20 @@ def free_splits(family, T, respect, out):
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    P = row(family, LIMITED)
+    P = row(family, at.LIMITED)
     place_ = place(P, R, p)
-    if P[IS_CLOSED] != 1.0 or abs(place_[5]) >= SOLVED or not may_split(P, place_):
+    if P[at.IS_CLOSED] != 1.0 or abs(place_[5]) >= SOLVED or not may_split(P, place_):
         return 0
-    boxes = np.empty((1, SIZE))
+    boxes = np.empty((1, at.SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
-    wide[SLACK_SINGULAR] = IN_LINE
+    wide[at.SLACK_SINGULAR] = IN_LINE
     n = 0
     for elbow in range(2):
         side = elbow_side(P, place_, elbow)
         for i in range(4):
-            k = SHOULDER if i < 2 else WRIST
-            if P[k + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] != 0.0:
+            k = at.SHOULDER if i < 2 else at.WRIST
+            if P[k + (at.TOP_GAP if i % 2 == 0 else at.BOTTOM_GAP)] != 0.0:
                 continue
             psi, least, most = closest(P, k, side[1] if i < 2 else side[2], i % 2)
             if least > NEARLY_IN_LINE:
@@ -150,7 +131,7 @@ def free_splits(family, T, respect, out):
                 branch = 4 * elbow + (sign if i < 2 else 2 * sign)
                 q, _, value = side_posture(wide, side, psi, (branch >> 1) & 1, branch & 1, False, NO_SEED, False)
                 first = 0 if i < 2 else 4
-                other, other_k = (5, WRIST) if i < 2 else (1, SHOULDER)
+                other, other_k = (5, at.WRIST) if i < 2 else (1, at.SHOULDER)
                 both = is_in_line(P, other_k, q[other], IN_LINE)
                 if value >= NO_BRANCH or not is_in_line(P, k, q[first + 1], IN_LINE) or (both and sign == 1):
                     continue

@@ -12,21 +12,10 @@ from srs_ik.kernels.pose.solve import own_goal
 
 @entry
 def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work, starts, out, verdicts):
-    """The poses first to last - 1, each with the same freedom.
+    """The poses first to last - 1 of (n, 4, 4), each with the same freedom (FREEDOM,), into rows of out (n, ROW).
 
-    Args:
-        family: (4, SIZE) packed limb.
-        poses: (n, 4, 4).
-        first: the first of them.
-        last: one behind the last of them.
-        freedom: (FREEDOM,) what they leave free.
-        turns: (t, 9) rotations at which postures are looked for where the axis may lean, in the tip frame.
-        seeds: (m, 7) one for all, one a pose, or none.
-        respect: whether joint limits count.
-        work: (WORK,) work space.
-        starts: (MOST_STARTS, START) work space.
-        out: (n, ROW) output.
-        verdicts: (n,) verdicts on the poses.
+    Where the axis may lean, postures are looked for at turns (t, 9), rotations in the tip frame. Seeds (m, 7) hold one
+    for all, one a pose, or none; `work` (WORK,) and `starts` (MOST_STARTS, START) are work space.
     """
     equations = 49 + SYSTEM * SYSTEM
     solved = equations + SYSTEM * SYSTEM

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, cross
 from srs_ik.kernels.chain.arm_angle_rates import gradient, tangent
@@ -23,10 +24,7 @@ def forward_range(family, q, first, last, out):
     for i in range(first, last):
         x, y, z, p = forward_kinematics(P, read7(row(q, i)))
         for k in range(3):
-            out[i, k, 0] = x[k]
-            out[i, k, 1] = y[k]
-            out[i, k, 2] = z[k]
-            out[i, k, 3] = p[k]
+            out[i, k, 0], out[i, k, 1], out[i, k, 2], out[i, k, 3] = x[k], y[k], z[k], p[k]
             out[i, 3, k] = 0.0
         out[i, 3, 3] = 1.0
 
@@ -55,8 +53,7 @@ def arm_angle_jacobian(family, q, g):
 def self_motion_tangent(family, q, out):
     """Write dq/d(arm angle) at rest of the tip into out (7,); returns whether it exists, else out is zero."""
     v, exists = tangent(row(family, LIMITED), read7(q))
-    for joint in range(7):
-        out[joint] = v[joint]
+    store7(out, 0, v)
     return exists
 
 

@@ -31,14 +31,8 @@ def margin_range(family, poses, first, last, out):
 def measure_range(family, poses, first, last, limits, margin, out):
     """Write what a map tells of the poses first to last - 1 of (N, 4, 4) into the rows of out (N, CELL_ARCS + 2 n).
 
-    Args:
-        family: packed limbs; for arcs of yaw, with joint 1 free.
-        poses: (N, 4, 4) rigid transforms.
-        first: first pose.
-        last: one behind the last.
-        limits: (2,) of joint 1, rad, for arcs of yaw; the columns of out say how many there is room for.
-        margin: whether the margin is wanted, 0 or 1; near limbs have none here.
-        out: output.
+    For arcs of yaw the family has joint 1 free, within limits (2,), rad; the columns of out say how many there is room
+    for. The margin is wanted or not, 1 or 0; near limbs have none here.
     """
     most = (out.shape[1] - CELL_ARCS) // 2
     if row(family, LIMITED)[IS_NEAR] == 0.0:

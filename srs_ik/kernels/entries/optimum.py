@@ -14,31 +14,16 @@ from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, near_runs,
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import search as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_STATUS
 from srs_ik.kernels.layout.asked import Runs, Setting, Target
 from srs_ik.kernels.layout.limb import FREE, LIMITED
 from srs_ik.kernels.layout.objectives import REFERENCE
-from srs_ik.kernels.layout.search import (
-    BRACKET,
-    FOUND,
-    MAX_BRACKETS,
-    MOST_RUNS,
-    NO_POSTURE,
-    OUT_LOWER,
-    OUT_SECOND,
-    OUT_UPPER,
-    OUT_VALUE,
-    ROUNDS,
-    RUN,
-    SPLIT,
-    SURFACE,
-    TIE,
-)
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.triangle import elbow_side, place, target_of
 from srs_ik.kernels.optimum.objectives import objective, toward_reference
 from srs_ik.kernels.optimum.search import ROUNDING, Objective, close_in, find_brackets, survey_best, value_rows
 from srs_ik.kernels.optimum.split_runs import MOST_ROWS, put_star, survey_splits
@@ -79,7 +64,7 @@ def survey(family, by, runs):
 @kernel
 def write_posture(P, target, q, branch, respect, solution):
     """Measure a feasible posture and write its row; whether it is a solution."""
-    if not is_exact(P) or branch >= SPLIT:
+    if not is_exact(P) or branch >= at.SPLIT:
         branch = branch_of(P, q)
     measure_row(P, target, q, branch, cost(P, q, False, NO_SEED, respect), respect, solution)
     return solution[ROW_STATUS] == 0.0
@@ -91,15 +76,15 @@ def best_of_surface(P, by, q, wanted, resolution, line, out):
 
     Overwrites rows and runs.
     """
-    brackets = np.empty((MAX_BRACKETS, BRACKET))
+    brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
     lowest = objective(P, wanted.kind, wanted.params, q, by.J)
-    for _ in range(ROUNDS):
+    for _ in range(at.ROUNDS):
         n, k = put_star(P, by, q, line, out)
         values = np.empty(n)
         value_rows(P, wanted, out.rows, n, values, by.J)
         count = find_brackets(out.rows, values, out.runs, k, brackets)
         best, better = close_in(P, by, out, brackets[:count], 0.0, wanted, resolution)
-        if best < 0 or brackets[best, 0] >= lowest - TIE * abs(lowest):
+        if best < 0 or brackets[best, 0] >= lowest - at.TIE * abs(lowest):
             break
         q, lowest = better, brackets[best, 0]
     return q
@@ -107,22 +92,11 @@ def best_of_surface(P, by, q, wanted, resolution, line, out):
 
 @entry
 def optimise(family, T, kind, second, tolerance, resolution, params, respect, solution, out):
-    """The best posture for a built-in objective, into a row and `out`.
+    """The best posture for a built-in objective, into a row and `out`: FOUND, NO_POSTURE or minus a verdict.
 
-    Returns FOUND, NO_POSTURE or minus the verdict on the pose.
-
-    Args:
-        family: packed limbs.
-        T: (4, 4) pose.
-        kind: objective, a number of `objectives`.
-        second: the objective that decides among the postures which are best by the first one within the tolerance;
-            -1: none.
-        tolerance: relative to the best value of the first objective.
-        resolution: of the line searches.
-        params: (PARAMS,) figures that belong to the objective.
-        respect: whether the limits have to be kept.
-        solution: (ROW,) output.
-        out: (OUT,) output.
+    Objectives are numbers of `layout.objectives`, with figures `params` (PARAMS,). The second one (-1: none) decides
+    among the postures which are best by the first one within the tolerance, relative to its best value; `resolution` is
+    that of the line searches.
     """
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
@@ -130,23 +104,23 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     by = setting_of(P, target, 0, respect)
-    runs = np.empty((MOST_RUNS, RUN))
+    runs = np.empty((at.MOST_RUNS, at.RUN))
     rows, n, k, line = survey(family, by, runs)
     values = np.empty(n)
     wanted = Objective(kind, params, -1, 0.0)
     value_rows(P, wanted, rows, n, values, by.J)
-    brackets = np.empty((MAX_BRACKETS, BRACKET))
+    brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
     count = find_brackets(rows, values, runs, k, brackets)
     spread = 0.0 if second < 0 else tolerance
     best, q = close_in(P, by, Runs(rows, runs), brackets[:count], spread, wanted, resolution)
     if best < 0:
-        return NO_POSTURE
+        return at.NO_POSTURE
     run = int(brackets[best, 1])
     if second >= 0:
         lowest = brackets[best, 0]
         cap = lowest + (tolerance + ROUNDING) * abs(lowest)
-        spans = np.empty((k + MAX_BRACKETS, RUN))
-        origin = np.empty(k + MAX_BRACKETS, np.int64)
+        spans = np.empty((k + at.MAX_BRACKETS, at.RUN))
+        origin = np.empty(k + at.MAX_BRACKETS, np.int64)
         near = np.empty((4 * n + 4 * k + SPARE_ROWS, SAMPLE))
         under = Objective(kind, params, -1, cap)
         known = (brackets[:count], values, k)
@@ -161,16 +135,16 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
             run = origin[int(brackets[best, 1])]
     branch = int(runs[run, 0])
     lower, upper = arm_angles_of_run(P, target.place, rows, runs[run])
-    if second < 0 and branch >= SURFACE:
+    if second < 0 and branch >= at.SURFACE:
         q = best_of_surface(P, by, q, wanted, resolution, line, Runs(rows, runs))
         lower = arm_angle(P, q, target.place[0], target.place[1])
         upper = lower
     if kind == REFERENCE:
         q = toward_reference(P, params, q)
-    out[OUT_VALUE] = objective(P, kind, params, q, by.J)
-    out[OUT_SECOND] = objective(P, second, params, q, by.J) if second >= 0 else 0.0
-    out[OUT_LOWER], out[OUT_UPPER] = lower, upper
-    return FOUND if write_posture(P, target, q, branch, respect, solution) else NO_POSTURE
+    out[at.OUT_VALUE] = objective(P, kind, params, q, by.J)
+    out[at.OUT_SECOND] = objective(P, second, params, q, by.J) if second >= 0 else 0.0
+    out[at.OUT_LOWER], out[at.OUT_UPPER] = lower, upper
+    return at.FOUND if write_posture(P, target, q, branch, respect, solution) else at.NO_POSTURE
 
 
 @entry
@@ -192,9 +166,8 @@ def sample(family, T, respect, runs, rows):
 @entry
 def star(family, T, q, respect, runs, rows):
     """Samples of the postures around one on a surface, in `rows` (SPARE_ROWS, SAMPLE): the number of rows and runs."""
-    R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    by = setting_of(P, Target(R, p, place(P, R, p)), 0, respect)
+    by = setting_of(P, target_of(P, row(T, 0)), 0, respect)
     line = np.empty((SPARE_ROWS, SAMPLE))
     return put_star(P, by, read7(q), line, Runs(rows, runs))
 
@@ -226,9 +199,8 @@ def begin(S, bracket, resolution):
 @entry
 def posture(family, T, rows, run, x, respect, solution):
     """Posture of a run at a parameter into a row; whether it is a solution."""
-    R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    target = Target(R, p, place(P, R, p))
+    target = target_of(P, row(T, 0))
     branch = int(run[0])
     by = setting_of(P, target, branch, respect)
     q, off = on_curve(P, by, branch, samples_of(rows, run), x)
@@ -238,6 +210,5 @@ def posture(family, T, rows, run, x, respect, solution):
 @entry
 def interval(family, T, rows, run):
     """First and last arm angle of a run."""
-    R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    return arm_angles_of_run(P, place(P, R, p), rows, run)
+    return arm_angles_of_run(P, target_of(P, row(T, 0)).place, rows, run)

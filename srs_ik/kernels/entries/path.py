@@ -1,6 +1,10 @@
 """Entry points for joint paths: the strips of all poses, the best way through them, and its refinement.
 
-They take plain arrays, whatever their number; behind them, what travels together goes as one.
+They take plain arrays, whatever their number; behind them, what travels together goes as one. All over, `poses` are
+(n, 4, 4), `keys` (k,) those of them that count, `settings` (SETTINGS, 7), `limited` says whether there are velocity
+limits, and `start` (k, 7) is the posture before the first one, or none. A path is `q` (n, 7), its arm angles `psi`
+(n,), `branch` (n,), the least and largest arm angle of each, `bounds` (n, 2), the poses that it reaches, `chain` (k,),
+and whether a posture has to stay, `fixed` (n,).
 """
 
 from __future__ import annotations
@@ -16,36 +20,14 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
-from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import IS_CLOSED, IS_NEAR, LIMITED
-from srs_ik.kernels.layout.path import (
-    HELD_BRANCH,
-    HELD_LINKED,
-    HELD_PSI,
-    LARGEST,
-    MEMO,
-    NODE,
-    NODE_BRANCH,
-    NODE_PSI,
-    SIDE,
-    SQUARES,
-    STRIP_FIRST,
-    STRIP_LAST,
-    Aim,
-    Around,
-    Course,
-    Desk,
-    Line,
-    Rules,
-    Sheet,
-    Space,
-    Span,
-)
+from srs_ik.kernels.layout.path import Aim, Around, Course, Desk, Line, Rules, Sheet, Space, Span
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import place, target_of
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
 from srs_ik.kernels.path.corridor import corridor, course_of, put_on_poses
 from srs_ik.kernels.path.edges import most_of, path_cost, write_steps
@@ -130,32 +112,17 @@ def sweep(
 ):
     """Costs of all postures of the key poses from number `first` on, until the arrays are full.
 
-    Args:
-        family: packed limb.
-        poses: (n, 4, 4).
-        keys: (k,) the poses that count.
-        first: number of the first key pose.
-        carried: the pose before it that is reached, as the arrays hold it already, at `ends[0]`; -1: none.
-        stop: (1,) set by another thread where nobody wants the answer any more; the arrays are then left as they are.
-        known: (n, 7) postures that are given.
-        has_known: (n,) where they are.
-        held: (h, HELD) postures that are known, one pose after the other, to the others of its strips.
-        held_ends: (n + 1,) the first of each pose.
-        held_alone: (n,) where they are all there are.
-        allowed: (m, 3) the only intervals that strips may have, one pose after the other: branch, lower and upper end.
-        allowed_ends: (n, 2) the first of each pose and one behind its last, -1: it may have all; (0, 2): all may.
-        near: (n, 7) postures around which strips are finer.
-        radius: (n,) how far around, rad; 0: nowhere.
-        spacing: (n,) how far joints move there from one posture of a strip to the next at most, rad.
-        start: (k, 7) the posture before the first one, or none.
-        settings: (SETTINGS, 7).
-        limited: whether there are velocity limits.
-        exact: whether breaks are to be the shortest.
-        nodes: (N, NODE) output.
-        cost: (N,) output.
-        strips: (M, STRIP) output.
-        ends: (K, 4) output: of each pose from number `first` on, behind the one that is carried, the first row in
-            `nodes`, one behind its last, and the same in `strips`.
+    `carried` is the pose before it that is reached, as the arrays hold it already, at `ends[0]`; -1: none. In `ends` is
+    then, of each pose from number `first` on, behind the one that is carried, the first row in `nodes`, one behind its
+    last, and the same in `strips`. Another thread sets `stop` (1,) where nobody wants the answer any more; the arrays
+    are then left as they are.
+
+    Postures `known` (n, 7) are given where `has_known` (n,); `held` (h, HELD) are known, one pose after the other from
+    `held_ends` (n + 1,) on, to the others of its strips, or where `held_alone` (n,) they are all there are. Strips have
+    only the intervals `allowed` (m, 3), branch, lower and upper end, one pose after the other, of each from
+    `allowed_ends` (n, 2) on to one behind its last, where that is not -1; (0, 2): all may be. They are finer around
+    postures `near` (n, 7), so far as `radius` (n,), rad, 0: nowhere; joints move there by `spacing` (n,), rad, from one
+    posture of a strip to the next at most. With `exact`, breaks are to be the shortest.
 
     Returns:
         The number of the next key pose, and the row in `ends` of the last one that is reached (0: none).
@@ -163,7 +130,12 @@ def sweep(
     J, A = scratch(6, 7), scratch(16, 9)
     sheet = Sheet(nodes, np.zeros(nodes.shape[0], np.bool_), cost, strips)
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
-    on_hold, turns, memo, stamp = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.zeros((2 * GRID, MEMO)), np.zeros(1)
+    on_hold, turns, memo, stamp = (
+        np.empty((DEEPEST, at.NODE)),
+        np.zeros((3, 7)),
+        np.zeros((2 * GRID, at.MEMO)),
+        np.zeros(1),
+    )
     desk = Desk(found, np.empty(MAX_SAMPLES), on_hold, turns, allowed, given, memo, stamp, room_for_ends(found))
     scales, told = settings.copy(), row(settings, 0)
     scaled = row(scales, 0)
@@ -171,14 +143,13 @@ def sweep(
     n, m = ends[0, 1], ends[0, 3]
     i = first
     while i < keys.shape[0] and n + MOST_NODES <= nodes.shape[0] and m + MOST_STRIPS <= strips.shape[0]:
-        at = i - first + 1
-        if at >= ends.shape[0] or stop[0]:
+        slot = i - first + 1
+        if slot >= ends.shape[0] or stop[0]:
             break
         pose = keys[i]
         if allowed_ends.shape[0] > 0:
             given[0], given[1] = allowed_ends[pose, 0], allowed_ends[pose, 1]
-        ends[at, 0] = n
-        ends[at, 2] = m
+        ends[slot, 0], ends[slot, 2] = n, m
         if has_known[pose]:
             put_node(nodes, n, read7(row(known, pose)), 0.0, -1)
             n += 1
@@ -190,24 +161,22 @@ def sweep(
             for k in range(held_ends[pose], held_ends[pose + 1]):
                 if n >= nodes.shape[0]:
                     break
-                put_node(nodes, n, read7(row(held, k)), held[k, HELD_PSI], int(held[k, HELD_BRANCH]))
-                sheet.linked[n] = held[k, HELD_LINKED] != 0.0
+                put_node(nodes, n, read7(row(held, k)), held[k, at.HELD_PSI], int(held[k, at.HELD_BRANCH]))
+                sheet.linked[n] = held[k, at.HELD_LINKED] != 0.0
                 n += 1
                 if not held_alone[pose]:
                     n = put_split(row(family, LIMITED), sheet, n - 1, SPACING, n)
-        m = list_strips(sheet, ends[at, 0], n, m)
-        ends[at, 1] = n
-        ends[at, 3] = m
-        if n > ends[at, 0]:
-            now = Span(ends[at, 0], n, ends[at, 2], m)
+        m = list_strips(sheet, ends[slot, 0], n, m)
+        ends[slot, 1], ends[slot, 3] = n, m
+        if n > ends[slot, 0]:
+            now = Span(ends[slot, 0], n, ends[slot, 2], m)
             if carried < 0:
                 first_costs(sheet, now, start, told)
             else:
                 before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
                 unbounded(cost, now)
                 advance(sheet, before, now, rules_for(told, scaled, pose - carried, limited), exact)
-            carried = pose
-            last = at
+            carried, last = pose, slot
         i += 1
     keep(scales)
     return i, last
@@ -217,21 +186,8 @@ def sweep(
 def go_back(keys, first, count, following, settings, limited, nodes, cost, strips, ends, q, psi, branch, bounds):
     """Write the best way's postures of `count` key poses from number `first` on, from the last one to the first.
 
-    Args:
-        keys: (k,) the poses that count.
-        first: number of the first key pose.
-        count: how many of them.
-        following: the pose behind these whose posture is known already; -1: none, the cheapest last posture is taken.
-        settings: (SETTINGS, 7).
-        limited: whether there are velocity limits.
-        nodes: (N, NODE) postures, from `sweep`, as the next three.
-        cost: (N,).
-        strips: (M, STRIP).
-        ends: (K, 4).
-        q: (n, 7) output.
-        psi: (n,) output: arm angles.
-        branch: (n,) output: branches, -1 where a posture was given.
-        bounds: (n, 2) output: arm angles of the ends of the strip.
+    Nodes, costs, strips and their ends are those of `sweep`. The posture of the pose `following` behind these is known
+    already; -1: the cheapest last posture is taken. Branches are -1 where a posture was given.
 
     Returns:
         The first pose of these that is reached, or `following`; and the least cost if there was none behind these.
@@ -246,20 +202,23 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
         pose = keys[first + j - 1]
         span = Span(ends[j, 0], ends[j, 1], ends[j, 2], ends[j, 3])
         if following < 0:
-            at = float(cheapest(cost, span.first, span.last))
-            least = cost[int(at)]
+            best = float(cheapest(cost, span.first, span.last))
+            least = cost[int(best)]
         else:
-            _, at = step_back(row(q, following), sheet, span, rules_for(told, scaled, following - pose, limited))
-        k = math.floor(at)
-        t = at - k
+            _, best = step_back(row(q, following), sheet, span, rules_for(told, scaled, following - pose, limited))
+        k = math.floor(best)
+        t = best - k
         next_row = k + 1 if t > 0.0 else k
         for i in range(7):
             q[pose, i] = nodes[k, i] + t * (nodes[next_row, i] - nodes[k, i])
-        psi[pose] = nodes[k, NODE_PSI] + t * (nodes[next_row, NODE_PSI] - nodes[k, NODE_PSI])
-        branch[pose] = int(nodes[k, NODE_BRANCH])
+        psi[pose] = nodes[k, at.NODE_PSI] + t * (nodes[next_row, at.NODE_PSI] - nodes[k, at.NODE_PSI])
+        branch[pose] = int(nodes[k, at.NODE_BRANCH])
         for s in range(span.first_strip, span.last_strip):
-            if strips[s, STRIP_FIRST] <= k <= strips[s, STRIP_LAST]:
-                low, high = nodes[int(strips[s, STRIP_FIRST]), NODE_PSI], nodes[int(strips[s, STRIP_LAST]), NODE_PSI]
+            if strips[s, at.STRIP_FIRST] <= k <= strips[s, at.STRIP_LAST]:
+                low, high = (
+                    nodes[int(strips[s, at.STRIP_FIRST]), at.NODE_PSI],
+                    nodes[int(strips[s, at.STRIP_LAST]), at.NODE_PSI],
+                )
                 # The whole circle has no ends.
                 bounds[pose, 0] = low if low > -math.pi else -math.inf
                 bounds[pose, 1] = high if abs(high) != math.pi else math.inf
@@ -276,7 +235,7 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
     there is none, and writes the point of that line; other arguments as in `go_back`.
     """
     P, J, A = row(family, LIMITED), scratch(6, 7), scratch(16, 9)
-    course = Course(poses, keys, reached, bounds, np.empty((0, SIDE)))
+    course = Course(poses, keys, reached, bounds, np.empty((0, at.SIDE)))
     line = Line(q, psi, branch)
     last = -1
     for number in range(keys.shape[0]):
@@ -326,7 +285,7 @@ def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings,
         else:
             lowest = total
     if enough > 0.0:
-        lowest = smooth(family, course, line, start, Aim(SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
+        lowest = smooth(family, course, line, start, Aim(at.SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
         lowest = path_cost(chain, start, told, False, q)
     return lowest
 
@@ -335,22 +294,9 @@ def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings,
 def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, scale, weights, enough, q, psi, branch):
     """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
 
-    Args:
-        family: packed limb.
-        poses: (n, 4, 4).
-        chain: (k,) the poses that the path reaches.
-        fixed: (n,) whether a posture has to stay.
-        loose: (k,) whether the step to each of the chain is a break, for which no limits hold.
-        bounds: (n, 2) least and largest arm angle of each.
-        start: (k, 7) the posture before the first one, or none.
-        settings: (SETTINGS, 7).
-        kind: `WITHIN`, `LARGEST` or `SLOWEST`.
-        scale: (7,) by which joint steps are multiplied.
-        weights: (w,) of the barriers, one after the other.
-        enough: no other barrier follows once the largest step counts no more than this.
-        q: (n, 7).
-        psi: (n,).
-        branch: (n,).
+    The kind is `WITHIN`, `LARGEST` or `SLOWEST`, of joint steps multiplied by `scale` (7,); steps to poses that are
+    `loose` (k,) are breaks, for which no limits hold. Barriers have `weights` (w,), one after the other; none follows
+    once the largest step counts no more than `enough`.
 
     Returns:
         The value with the last barrier; 1e300 where the path begins beyond its limits.
@@ -364,7 +310,7 @@ def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, sc
         aim = Aim(kind, row(scale, 0), weight, loose)
         lowest = smooth(family, course, line, start, aim, row(settings, 0), space)
         write_steps(chain, start, row(settings, 0), q, steps)
-        if kind == LARGEST and most_of(aim, steps, first, chain.shape[0]) <= enough:
+        if kind == at.LARGEST and most_of(aim, steps, first, chain.shape[0]) <= enough:
             break
     return lowest
 
@@ -381,16 +327,15 @@ def finish(family, poses, chain, q, psi, branch, out):
     P, J, A = row(family, LIMITED), scratch(6, 7), scratch(16, 9)
     for c in range(chain.shape[0]):
         i = chain[c]
-        R, p, _ = read_pose(row(poses, i))
-        place_ = place(P, R, p)
+        target = target_of(P, row(poses, i))
         here = clipped(P, read7(row(q, i)))
         if P[IS_NEAR] != 0.0:
-            error = max(*pose_error(P, here, R, p))
+            error = max(*pose_error(P, here, target.R, target.p))
             if error > CLOSED:
-                closed, _ = close_free(P, here, R, p, True, 2 * STEPS, J, A)
+                closed, _ = close_free(P, here, target.R, target.p, True, 2 * STEPS, J, A)
                 if error > LEFT or largest(along7(closed, -1.0, here)) < CLOSES_WITHIN:
                     here = closed
         number = branch[i] if branch[i] >= 0 else branch_of(P, here)
-        measure_row(P, Target(R, p, place_), here, number, 0.0, True, row(out, i))
+        measure_row(P, target, here, number, 0.0, True, row(out, i))
         if P[IS_CLOSED] == 1.0 and branch[i] >= 0:
             out[i, ROW_ARM_ANGLE] = psi[i] - TURN * math.floor((psi[i] + math.pi) / TURN)

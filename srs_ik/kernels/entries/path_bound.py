@@ -9,28 +9,13 @@ from srs_ik.kernels.algebra.pointers import keep, row, scratch
 from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.layout.path import (
-    IMPOSSIBLE,
-    MEMO,
-    NODE,
-    NODE_SAG,
-    POINT,
-    STRIP,
-    STRIP_FIRST,
-    STRIP_LAST,
-    WORTH_BEGIN,
-    WORTH_END,
-    WORTH_SAG,
-    Desk,
-    Net,
-    Sheet,
-    Span,
-)
+from srs_ik.kernels.layout.path import Desk, Net, Sheet, Span
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import target_of
 from srs_ik.kernels.path.cells import BOX, GROUP, MOST_CORNERS, SLACK, put_cell, reach_pose
-from srs_ik.kernels.path.corridor import spot_of
 from srs_ik.kernels.path.cover import cover_pose, cut_cell
 from srs_ik.kernels.path.followed import along_cell
 from srs_ik.kernels.path.programme import advance, first_costs, leave_out
@@ -43,16 +28,9 @@ from srs_ik.kernels.path.strips import DEEPEST
 def cover(family, poses, first, known, has_known, extra, longest, cells, ends):
     """Write cells that hold all postures of the poses from number `first` on, until the arrays are full.
 
-    Args:
-        family: packed limb.
-        poses: (n, 4, 4).
-        first: number of the first pose.
-        known: (n, 7) postures that are given.
-        has_known: (n,) where they are.
-        extra: (n, 7) a posture of each pose beside those of the intervals, or NaN.
-        longest: length of a cell, rad.
-        cells: (M, CELL) output.
-        ends: (K + 1,) output: the first row of each pose and one behind its last.
+    Postures `known` (n, 7) are given where `has_known` (n,); `extra` (n, 7) is one of each pose beside those of the
+    intervals, or NaN. Cells are up to `longest` long, rad; `ends` (K + 1,) are the first row of each pose and one
+    behind its last.
 
     Returns:
         How many poses are done.
@@ -67,13 +45,13 @@ def cover(family, poses, first, known, has_known, extra, longest, cells, ends):
         if has_known[i]:
             if n < cells.shape[0]:
                 q = read7(row(known, i))
-                put_cell(cells, n, q, q, SLACK, (0.0, 0.0, float(POINT)))
+                put_cell(cells, n, q, q, SLACK, (0.0, 0.0, float(at.POINT)))
             n += 1
         else:
             n = cover_pose(family, row(poses, i), net, n, J, A)
             if n < cells.shape[0] and extra[i, 0] == extra[i, 0]:
                 q = read7(row(extra, i))
-                put_cell(cells, n, q, q, SLACK, (0.0, 0.0, float(POINT)))
+                put_cell(cells, n, q, q, SLACK, (0.0, 0.0, float(at.POINT)))
                 n += 1
         if n >= cells.shape[0]:
             break
@@ -93,10 +71,10 @@ def cut(family, poses, coarse, coarse_ends, longest, cells, ends):
     ends[0] = 0
     for i in range(poses.shape[0]):
         n = ends[i]
-        spot = spot_of(row(family, LIMITED), row(poses, i))
+        target = target_of(row(family, LIMITED), row(poses, i))
         for k in range(coarse_ends[i], coarse_ends[i + 1]):
             if n < cells.shape[0]:
-                n = cut_cell(family, spot, row(coarse, k), net, n, J, A)
+                n = cut_cell(family, target, row(coarse, k), net, n, J, A)
         if n >= cells.shape[0]:
             return i
         ends[i + 1] = n
@@ -107,14 +85,9 @@ def cut(family, poses, coarse, coarse_ends, longest, cells, ends):
 def relax(cells, ends, backward, settings, worth):
     """Write what the cells of some poses cost at least, from those of the first pose on, which are there already.
 
-    Args:
-        cells: (M, CELL).
-        ends: (k + 1,) the first row of each pose and one behind its last; the array may end behind them.
-        backward: whether from those of the last pose back.
-        settings: (SETTINGS, 7); with an infinite step of continuity, a path may leap.
-        worth: (M, WORTH) in place.
-
-    A pose without cells is passed for nothing, and so is the step over it.
+    Or from those of the last pose back. `ends` (k + 1,) are as in `cover`; the array may end behind them. With an
+    infinite step of continuity in the settings, a path may leap. A pose without cells is passed for nothing, and so is
+    the step over it.
     """
     count = ends.shape[0] - 1
     most = 1
@@ -130,7 +103,7 @@ def relax(cells, ends, backward, settings, worth):
         if last >= 0:
             gap = abs(i - last) > 1
             least = write_groups(cells, ends[last], ends[last + 1], worth, groups)
-            lowest_of_all = IMPOSSIBLE
+            lowest_of_all = at.IMPOSSIBLE
             for g in range(least):
                 lowest_of_all = min(lowest_of_all, groups[g, 8])
             for j in range(ends[i], ends[i + 1]):
@@ -139,9 +112,7 @@ def relax(cells, ends, backward, settings, worth):
                 else:
                     before = (cells, ends[last], ends[last + 1], worth)
                     begin, end, sag = advance_cell(before, groups, cells, j, row(settings, 0), tried)
-                worth[j, WORTH_BEGIN] = begin
-                worth[j, WORTH_END] = end
-                worth[j, WORTH_SAG] = sag
+                worth[j, at.WORTH_BEGIN], worth[j, at.WORTH_END], worth[j, at.WORTH_SAG] = begin, end, sag
         last = i
 
 
@@ -153,10 +124,10 @@ def write_rooms(sheet, span, most, rooms, rules, after):
     """
     nodes = sheet.nodes
     for b in range(span.first_strip, span.last_strip):
-        first, last = int(sheet.strips[b, STRIP_FIRST]), int(sheet.strips[b, STRIP_LAST])
+        first, last = int(sheet.strips[b, at.STRIP_FIRST]), int(sheet.strips[b, at.STRIP_LAST])
         for i in range(first, last + 1):
             sheet.linked[i] = i < last
-            sag = max(nodes[i, NODE_SAG], nodes[i - 1, NODE_SAG] if i > first else 0.0)
+            sag = max(nodes[i, at.NODE_SAG], nodes[i - 1, at.NODE_SAG] if i > first else 0.0)
             rooms[i] = most - sheet.cost[i] + 0.25 * sag
             sag = 0.0
             for k in range(max(i - 1, first), min(i, last - 1) + 1):
@@ -167,24 +138,13 @@ def write_rooms(sheet, span, most, rooms, rules, after):
 
 @entry
 def costs_to_end(keys, first, count, behind, most, stop, settings, limited, nodes, cost, strips, ends, after):
-    """Write what the best path costs from each posture of key poses on, from the last one of them back.
+    """Write what the best path costs from each posture of `count` key poses from number `first` on, from the last back.
 
-    Postures through which no path leads that costs at most so much are left out on the way.
-
-    Args:
-        keys: (k,) the poses that count.
-        first: number of the first one of these.
-        count: how many of them.
-        behind: the next pose behind them that is reached; -1: none.
-        most: what a path may cost, from its begin to its end.
-        stop: (1,) set by another thread where nobody wants the answer any more.
-        settings: (SETTINGS, 7).
-        limited: whether there are velocity limits.
-        nodes: (N, NODE) postures, from `sweep`; how far costs sag is written anew.
-        cost: (N,) what the best path costs up to each.
-        strips: (M, STRIP), from `sweep`; what each costs at least is written anew.
-        ends: (count + 2, 4) of each pose; the last row is that of the pose behind them.
-        after: (N,) output; what is behind them is known.
+    Postures through which no path leads that costs at most `most` from its begin to its end are left out on the way.
+    `behind` is the next pose behind them that is reached; -1: none. Nodes, costs, strips and their ends are those of
+    `sweep`, the last row of `ends` that of the pose behind; how far costs sag, and what strips cost at least, is
+    written anew. `after` (N,) is the output; what is behind them is known. Another thread sets `stop` (1,) where nobody
+    wants the answer.
 
     Returns:
         The row in `ends` of the first pose that is reached; count + 1: none of these is.
@@ -195,11 +155,11 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
     scales, told = settings.copy(), row(settings, 0)
     scaled = row(scales, 0)
     last, carried = count + 1, behind
-    for at in range(count, 0, -1):
-        if ends[at, 0] == ends[at, 1] or stop[0]:
+    for slot in range(count, 0, -1):
+        if ends[slot, 0] == ends[slot, 1] or stop[0]:
             continue
-        now = Span(ends[at, 0], ends[at, 1], ends[at, 2], ends[at, 3])
-        pose = keys[first + at - 1]
+        now = Span(ends[slot, 0], ends[slot, 1], ends[slot, 2], ends[slot, 3])
+        pose = keys[first + slot - 1]
         rules = rules_for(told, scaled, max(carried - pose, 1), limited)
         write_rooms(forth, now, most, rooms, rules, after)
         if carried < 0:
@@ -208,7 +168,7 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
             before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
             advance(sheet, before, now, rules, False)
         leave_out(sheet, now, rooms)
-        last, carried = at, pose
+        last, carried = slot, pose
     keep(scales)
     return last
 
@@ -217,10 +177,10 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
 def net_of(cells, longest, all_turns):
     """Cells to be made, with work space."""
     sheet = Sheet(
-        np.empty((MOST_NODES, NODE)), np.zeros(MOST_NODES, np.bool_), np.empty(1), np.empty((MOST_STRIPS, STRIP))
+        np.empty((MOST_NODES, at.NODE)), np.zeros(MOST_NODES, np.bool_), np.empty(1), np.empty((MOST_STRIPS, at.STRIP))
     )
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
-    held, turns, memo = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.empty((0, MEMO))
+    held, turns, memo = np.empty((DEEPEST, at.NODE)), np.zeros((3, 7)), np.empty((0, at.MEMO))
     desk = Desk(found, np.empty(MAX_SAMPLES), held, turns, np.empty((0, 3)), given, memo, np.zeros(1), memo)
     return Net(cells, longest, all_turns, desk, sheet)
 
@@ -239,8 +199,7 @@ def reach(cells, ends, backward, limits, settings, spans):
     for i in range(count):
         most = max(most, ends[i + 1] - ends[i])
     work, boxes = np.empty((2, MOST_CORNERS, 2)), np.empty(((most + GROUP - 1) // GROUP, BOX))
-    last = -1
-    some = True
+    last, some = -1, True
     for step in range(count):
         i = count - 1 - step if backward else step
         if ends[i] == ends[i + 1]:

@@ -16,7 +16,7 @@ from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import set_limits
 from srs_ik.kernels.limb.poses import is_same_pose, read7, read_pose
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import place, target_of
 from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.led import lead_row
@@ -45,11 +45,9 @@ def solve_at(family, T, psi, branch, seed, seeded, respect, out):
 @entry
 def lead(family, T, psi, branch, before, seed, seeded, respect, out):
     """Write the row of a near limb's posture at an arm angle, next to one of its branch; whether it is a solution."""
-    R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
     goal = Goal(seeded, read7(row(seed, 0)), respect)
-    target = Target(R, p, place(P, R, p))
-    return lead_row(P, target, (psi, branch), read7(row(before, 0)), goal, scratch(16, 9), row(out, 0))
+    return lead_row(P, target_of(P, row(T, 0)), (psi, branch), read7(row(before, 0)), goal, scratch(16, 9), row(out, 0))
 
 
 @entry
@@ -124,8 +122,7 @@ def intervals_range(family, poses, first, last, respect, rows, counts, verdicts)
     take how many each pose has, verdicts those on the poses.
     """
     J, A = scratch(6, 7), scratch(16, 9)
-    used = 0
-    i = first
+    used, i = 0, first
     while i < last and used + MOST_INTERVALS <= rows.shape[0]:
         R, p, verdicts[i] = read_pose(row(poses, i))
         counts[i] = 0
@@ -144,8 +141,7 @@ def solve_intervals(family, T, respect, out):
     if verdict != GOOD_POSE:
         return -verdict
     P = row(family, LIMITED)
-    place_ = place(P, R, p)
-    target = Target(R, p, place_)
+    target = Target(R, p, place(P, R, p))
     found = np.empty((8 * MAX_PIECES, 3))
     if P[IS_NEAR] != 0.0:
         J, A = scratch(6, 7), scratch(16, 9)

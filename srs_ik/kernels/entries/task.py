@@ -6,11 +6,7 @@ from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.pose.solve import own_goal
-from srs_ik.kernels.task.posture import (
-    plan_given,
-    read_task,
-    write_posture,
-)
+from srs_ik.kernels.task.posture import plan_given, read_task, write_posture
 from srs_ik.kernels.task.solve import solve_task_one
 
 

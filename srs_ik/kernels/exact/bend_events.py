@@ -27,35 +27,9 @@ from srs_ik.kernels.algebra.vectors import (
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.events import NEXT_TO_END, end_of_middle, end_of_reach, insert, short_of_end
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A1_A2,
-    A2_A3,
-    A3,
-    AXES,
-    BOTTOM_GAP,
-    BOUND_1_LOWER,
-    BOUND_2_LOWER,
-    BOUND_3_LOWER,
-    FIRST_JOINT,
-    LOWER,
-    NORMAL_KIND,
-    RANGE_KIND,
-    SHOULDER,
-    SLACK_LIMIT,
-    SLACK_REACH,
-    TOP_GAP,
-    UPPER,
-    WRIST,
-)
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.limits import turn_to_middle
-from srs_ik.kernels.limb.triangle import (
-    elbow_at,
-    shoulder_columns,
-    side_frames,
-    turned_frame,
-    wrist_columns,
-)
+from srs_ik.kernels.limb.triangle import elbow_at, shoulder_columns, side_frames, turned_frame, wrist_columns
 
 MOST_EVENTS = 128
 """Room for bends at which anything changes at an arm angle: 17 each of shoulder and wrist, two of the elbow, two ends,
@@ -79,9 +53,9 @@ def to_be_turned(P, place_, elbow, cos_psi, sin_psi):
     """What limits ask of the rotations R of shoulder and wrist at one arm angle: R a3 and R'a1, of each."""
     base, arm, c4, s4 = side_frames(P, place_, elbow, cos_psi, sin_psi)
     v_s, _ = shoulder_columns(P, base, arm)
-    r_s = turned_frame(arm, base, load3(P, SHOULDER + A1))
+    r_s = turned_frame(arm, base, load3(P, at.SHOULDER + at.A1))
     v_w, _ = wrist_columns(P, place_, base, arm, c4, s4)
-    before = turned_frame(base, arm, rotate(load3(P, AXES + 9), c4, s4, load3(P, WRIST + A1)))
+    before = turned_frame(base, arm, rotate(load3(P, at.AXES + 9), c4, s4, load3(P, at.WRIST + at.A1)))
     return (v_s, r_s), (v_w, apply_transposed(place_[4], before))
 
 
@@ -127,18 +101,18 @@ def limit_form(P, k, i):
     if i >= LIMITS:
         axis, gap = end_of_reach(P, k, end)
         return axis, 1.0 - gap, False, gap > 0.0
-    there = P[RANGE_KIND + int(P[k + FIRST_JOINT]) + joint] != 0.0
+    there = P[at.RANGE_KIND + int(P[k + at.FIRST_JOINT]) + joint] != 0.0
     if joint == 0:
-        return load3(P, k + BOUND_1_LOWER + 3 * end), P[k + A2_A3], False, there
+        return load3(P, k + at.BOUND_1_LOWER + 3 * end), P[k + at.A2_A3], False, there
     if joint == 1:
-        return load3(P, k + A1), P[k + BOUND_2_LOWER + end], False, there
-    return load3(P, k + BOUND_3_LOWER + 3 * end), P[k + A1_A2], True, there
+        return load3(P, k + at.A1), P[k + at.BOUND_2_LOWER + end], False, there
+    return load3(P, k + at.BOUND_3_LOWER + 3 * end), P[k + at.A1_A2], True, there
 
 
 @kernel
 def beyond_middle_along(P, k, end, curve):
     """`beyond_middle` along a curve of unit vectors: a constant, a linear and a square part."""
-    a1, value = load3(P, k + A1), P[k + BOUND_2_LOWER + end]
+    a1, value = load3(P, k + at.A1), P[k + at.BOUND_2_LOWER + end]
     if abs(value) < NEXT_TO_END:
         return dot(a1, curve[0]) - value, dot(a1, curve[1]), dot(a1, curve[2])
     way, gap = end_of_middle(P, k, end)
@@ -160,7 +134,7 @@ def short_of_end_along(axis, gap, curve):
 @kernel
 def ease_of_reach(P, gap):
     """By how much a cosine may be out of the reach of oblique axes and count as at its end, with room for rounding."""
-    return 0.5 * P[SLACK_REACH] * math.sqrt(2.0 * gap)
+    return 0.5 * P[at.SLACK_REACH] * math.sqrt(2.0 * gap)
 
 
 @kernel
@@ -169,7 +143,7 @@ def add_joint(P, k, v, r, span, bends, n):
 
     v and r are the curves of R a3 and R'a1 from the smallest bend to the largest.
     """
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + at.A1)
     for i in range(LIMITS):
         form, value, of_r, there = limit_form(P, k, i)
         if there and i // 2 == 1:
@@ -192,8 +166,8 @@ def add_elbow(P, place_, elbow, span, bends, n):
     c4, s4, _ = elbow_at(P, bent_place(place_, 0.0), elbow)
     q4 = turn_to_middle(P, 3, math.atan2(s4, c4))
     way = 1.0 if (elbow == 0) == (place_[2] > 0.0) else -1.0
-    n = add_bend(way * (P[UPPER + 3] + P[SLACK_LIMIT] - q4), span, bends, n)
-    return add_bend(way * (P[LOWER + 3] - P[SLACK_LIMIT] - q4), span, bends, n)
+    n = add_bend(way * (P[at.UPPER + 3] + P[at.SLACK_LIMIT] - q4), span, bends, n)
+    return add_bend(way * (P[at.LOWER + 3] - P[at.SLACK_LIMIT] - q4), span, bends, n)
 
 
 @kernel
@@ -204,18 +178,18 @@ def curve(start, middle, end):
 
 
 @kernel
-def add_joints(P, place_, at, span, bends, n):
+def add_joints(P, place_, there, span, bends, n):
     """Insert the bends in a span at which shoulder or wrist change at an arm angle, to the first n: their number.
 
-    On the way from the smallest bend to the largest, all that is turned goes along parabolas. `at` holds the side of
+    On the way from the smallest bend to the largest, all that is turned goes along parabolas. `there` holds the side of
     the elbow, cosine and sine of the arm angle.
     """
-    elbow, c, s = at
+    elbow, c, s = there
     s_0, w_0 = to_be_turned(P, bent_place(place_, span[0]), elbow, c, s)
     s_1, w_1 = to_be_turned(P, bent_place(place_, along_span(span, 0.5)), elbow, c, s)
     s_2, w_2 = to_be_turned(P, bent_place(place_, span[1]), elbow, c, s)
-    n = add_joint(P, SHOULDER, curve(s_0[0], s_1[0], s_2[0]), curve(s_0[1], s_1[1], s_2[1]), span, bends, n)
-    return add_joint(P, WRIST, curve(w_0[0], w_1[0], w_2[0]), curve(w_0[1], w_1[1], w_2[1]), span, bends, n)
+    n = add_joint(P, at.SHOULDER, curve(s_0[0], s_1[0], s_2[0]), curve(s_0[1], s_1[1], s_2[1]), span, bends, n)
+    return add_joint(P, at.WRIST, curve(w_0[0], w_1[0], w_2[0]), curve(w_0[1], w_1[1], w_2[1]), span, bends, n)
 
 
 @kernel
@@ -233,18 +207,18 @@ def around_in(span, low, high, more):
 
 
 @kernel
-def add_turned(P, place_, at, span, bends):
+def add_turned(P, place_, there, span, bends):
     """Fill in the bends of `add_joints` where the arm turns far with its bend; their number."""
     coarse = np.empty(MOST_EVENTS)
     n, low = 0, span[0]
     while low < span[1]:
         high = span[1]
-        while turned_by(P, place_, at[0], (low, high)) > TURNED:
+        while turned_by(P, place_, there[0], (low, high)) > TURNED:
             high = 0.5 * (low + high)
         around = FINE * (high - low)
-        m = add_joints(P, place_, at, around_in(span, low, high, around), coarse, 0)
+        m = add_joints(P, place_, there, around_in(span, low, high, around), coarse, 0)
         for i in range(m):
-            n = add_joints(P, place_, at, around_in(span, coarse[i], coarse[i], around), bends, n)
+            n = add_joints(P, place_, there, around_in(span, coarse[i], coarse[i], around), bends, n)
         low = high
     return n
 
@@ -253,19 +227,13 @@ def add_turned(P, place_, at, span, bends):
 def bends_at(P, place_, psi, elbow, span, bends):
     """Fill in the sorted bends at which anything changes at one arm angle, those of the span included; their number.
 
-    Args:
-        P: packed limb.
-        place_: a pose whose elbow is as good as flat.
-        psi: the arm angle, rad.
-        elbow: side of the elbow, 0 or 1.
-        span: sines of the smallest and the largest bend.
-        bends: (MOST_EVENTS,) output.
+    The span are sines of the smallest and the largest bend of a pose whose elbow is as good as flat.
     """
-    at = (elbow, math.cos(psi), math.sin(psi))
-    if P[NORMAL_KIND] != 0.0 and turned_by(P, place_, elbow, span) > TURNED:
-        n = add_turned(P, place_, at, span, bends)
+    there = (elbow, math.cos(psi), math.sin(psi))
+    if P[at.NORMAL_KIND] != 0.0 and turned_by(P, place_, elbow, span) > TURNED:
+        n = add_turned(P, place_, there, span, bends)
     else:
-        n = add_joints(P, place_, at, span, bends, 0)
+        n = add_joints(P, place_, there, span, bends, 0)
     n = add_elbow(P, place_, elbow, span, bends, n)
     return insert(span[1], bends, insert(span[0], bends, n))
 
@@ -275,10 +243,10 @@ def apart(P, place_, k, elbow, x):
     """How much farther one outer axis of a spherical joint is from the line S-W than the other, at a bend, rad."""
     t, _, _, _, hand, _ = place_
     c4, s4, (arm_t, _, _) = elbow_at(P, bent_place(place_, x), elbow)
-    if k == SHOULDER:
-        return angle_between(arm_t, load3(P, k + A3)), angle_between(t, load3(P, k + A1))
-    moving = rotate(load3(P, AXES + 9), c4, s4, load3(P, k + A1))
-    return angle_between(arm_t, moving), angle_between(t, apply(hand, load3(P, k + A3)))
+    if k == at.SHOULDER:
+        return angle_between(arm_t, load3(P, k + at.A3)), angle_between(t, load3(P, k + at.A1))
+    moving = rotate(load3(P, at.AXES + 9), c4, s4, load3(P, k + at.A1))
+    return angle_between(arm_t, moving), angle_between(t, apply(hand, load3(P, k + at.A3)))
 
 
 @kernel
@@ -294,7 +262,7 @@ def bend_in_line(P, place_, k, elbow, end, span):
 
     The end says whether they point the same way there (0) or opposite ways (1).
     """
-    if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] != 0.0:
+    if P[k + (at.TOP_GAP if end == 0 else at.BOTTOM_GAP)] != 0.0:
         return -1.0
     x0, x1 = span
     y0, y1 = off_line(P, place_, k, elbow, end, x0), off_line(P, place_, k, elbow, end, x1)

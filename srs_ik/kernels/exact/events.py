@@ -8,30 +8,7 @@ from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.vectors import along, dot, load3, norm, scale, sub
 from srs_ik.kernels.exact.gaps import turned_with
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A1_A2,
-    A2_A3,
-    BAND,
-    BOTTOM_GAP,
-    BOUND_1_LOWER,
-    BOUND_1_UPPER,
-    BOUND_2_LOWER,
-    BOUND_3_LOWER,
-    BOUND_3_UPPER,
-    COS_LOWER,
-    COS_UPPER,
-    FIRST_JOINT,
-    LOWER,
-    PHASE,
-    RANGE_KIND,
-    SIN_LOWER,
-    SIN_UPPER,
-    SLACK_LIMIT,
-    SLACK_SINGULAR,
-    TOP_GAP,
-    UPPER,
-)
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.spherical import middle_angle, sines
 
 TOUCH = 1e-12
@@ -92,11 +69,11 @@ def end_of_middle(P, k, end):
 
     With it, how far the limit is from that end, with all digits.
     """
-    half = 0.5 * (P[(LOWER if end == 0 else UPPER) + int(P[k + FIRST_JOINT]) + 1] - P[k + PHASE])
-    span = 2.0 - P[k + TOP_GAP] - P[k + BOTTOM_GAP]
-    if P[k + BOUND_2_LOWER + end] > 0.0:
-        return 1.0, P[k + TOP_GAP] + span * math.sin(half) ** 2
-    return -1.0, P[k + BOTTOM_GAP] + span * math.cos(half) ** 2
+    half = 0.5 * (P[(at.LOWER if end == 0 else at.UPPER) + int(P[k + at.FIRST_JOINT]) + 1] - P[k + at.PHASE])
+    span = 2.0 - P[k + at.TOP_GAP] - P[k + at.BOTTOM_GAP]
+    if P[k + at.BOUND_2_LOWER + end] > 0.0:
+        return 1.0, P[k + at.TOP_GAP] + span * math.sin(half) ** 2
+    return -1.0, P[k + at.BOTTOM_GAP] + span * math.cos(half) ** 2
 
 
 @kernel
@@ -105,7 +82,7 @@ def beyond_middle(P, k, end, centre, square):
 
     What is more is across that, and has this square length. Next to a singular angle a cosine has lost its digits.
     """
-    a1, value = load3(P, k + A1), P[k + BOUND_2_LOWER + end]
+    a1, value = load3(P, k + at.A1), P[k + at.BOUND_2_LOWER + end]
     if abs(value) < NEXT_TO_END:
         return dot(a1, centre) - value
     way, gap = end_of_middle(P, k, end)
@@ -126,8 +103,8 @@ def short_of_end(axis, gap, centre, square):
 def end_of_reach(P, k, end):
     """What a3 comes closest to at an end of the middle joint's reach, a1 (0) or -a1 (1), and 1 - the cosine there."""
     if end == 0:
-        return load3(P, k + A1), P[k + TOP_GAP]
-    return scale(-1.0, load3(P, k + A1)), P[k + BOTTOM_GAP]
+        return load3(P, k + at.A1), P[k + at.TOP_GAP]
+    return scale(-1.0, load3(P, k + at.A1)), P[k + at.BOTTOM_GAP]
 
 
 @kernel
@@ -156,8 +133,8 @@ def add_approach(axis, gap, circle, slack, events, n):
 @kernel
 def add_middle(P, k, circle, end, events, n):
     """Insert the arm angles at which a middle joint is on its lower (0) or upper (1) limit."""
-    a1, sine, slack = load3(P, k + A1), 1.0, P[SLACK_LIMIT]
-    value = P[k + BOUND_2_LOWER + end]
+    a1, sine, slack = load3(P, k + at.A1), 1.0, P[at.SLACK_LIMIT]
+    value = P[k + at.BOUND_2_LOWER + end]
     if abs(value) >= NEXT_TO_END:
         sine = math.sqrt(2.0 * max(1.0 - abs(value), 0.0)) + slack
     rest = -beyond_middle(P, k, end, circle[0], dot(circle[1], circle[1]))
@@ -167,7 +144,7 @@ def add_middle(P, k, circle, end, events, n):
 @kernel
 def add_limit(P, x, circle, value, events, n):
     """Insert the arm angles at which a joint is on a limit, or those at which it is a band away from it."""
-    band, slack = P[BAND], P[SLACK_LIMIT]
+    band, slack = P[at.BAND], P[at.SLACK_LIMIT]
     if band == 0.0:
         return add_roots(x, circle, value, slack, events, n)
     n = add_roots(x, circle, value - band, slack, events, n)
@@ -177,13 +154,13 @@ def add_limit(P, x, circle, value, events, n):
 @kernel
 def add_joined(P, k, circle, joint, events, n):
     """Insert the arm angles at which a band joins what is ahead of a narrow range and what is behind it."""
-    x, y = P[COS_LOWER + joint] + P[COS_UPPER + joint], P[SIN_LOWER + joint] + P[SIN_UPPER + joint]
-    sine2, size2 = 4.0 * P[BAND] * P[BAND], x * x + y * y
-    if P[BAND] <= 0.0 or P[RANGE_KIND + joint] != 1.0 or sine2 >= size2:
+    x, y = P[at.COS_LOWER + joint] + P[at.COS_UPPER + joint], P[at.SIN_LOWER + joint] + P[at.SIN_UPPER + joint]
+    sine2, size2 = 4.0 * P[at.BAND] * P[at.BAND], x * x + y * y
+    if P[at.BAND] <= 0.0 or P[at.RANGE_KIND + joint] != 1.0 or sine2 >= size2:
         return n
     gap = 1.0 - math.sqrt(1.0 - sine2 / size2)
-    n = add_approach(load3(P, k + A1), gap, circle, P[SLACK_LIMIT], events, n)
-    return add_approach(scale(-1.0, load3(P, k + A1)), gap, circle, P[SLACK_LIMIT], events, n)
+    n = add_approach(load3(P, k + at.A1), gap, circle, P[at.SLACK_LIMIT], events, n)
+    return add_approach(scale(-1.0, load3(P, k + at.A1)), gap, circle, P[at.SLACK_LIMIT], events, n)
 
 
 @kernel
@@ -201,15 +178,15 @@ def add_split_ends(P, k, motion, psi, away, events, n):
 
     The whole arm turns about an axis almost in line with joint 1 there, so the sum changes as the arm angle does.
     """
-    first = int(P[k + FIRST_JOINT])
+    first = int(P[k + at.FIRST_JOINT])
     step = min(0.5 * away, 0.5)
     total, toward = sum_at(P, k, motion, psi)
     other, _ = sum_at(P, k, motion, psi + step)
     way = 1.0 if short_way(other - total) > 0.0 else -1.0
     for end in range(2):
-        low, high = P[LOWER + first], P[UPPER + first]
+        low, high = P[at.LOWER + first], P[at.UPPER + first]
         limit = (high if toward > 0.0 else -low) if end == 1 else (low if toward > 0.0 else -high)
-        limit += P[(UPPER if end == 1 else LOWER) + first + 2]
+        limit += P[(at.UPPER if end == 1 else at.LOWER) + first + 2]
         if math.isfinite(limit):
             n = add_event(psi + way * (limit - total), events, n)
     return n
@@ -222,7 +199,7 @@ def add_singular(P, k, motion, end, events, n):
     The end says whether they point the same way there (0) or opposite ways (1). Passing it, joints 1 and 3 jump by half
     a turn within the branch; where the axes count as parallel, any split of their sum will do.
     """
-    a1, circle = load3(P, k + A1), motion[0]
+    a1, circle = load3(P, k + at.A1), motion[0]
     sign = 1.0 if end == 0 else -1.0
     c, s = sign * dot(a1, circle[1]), sign * dot(a1, circle[2])
     size = math.sqrt(c * c + s * s)
@@ -234,7 +211,7 @@ def add_singular(P, k, motion, end, events, n):
     # Sines of the angles from S-W: of axis 3, which goes around, and of axis 1, which stays.
     radius = norm(circle[1])
     least = radius - (size / radius if size > 0.0 else 0.0)
-    width = P[SLACK_SINGULAR] - ROUNDING
+    width = P[at.SLACK_SINGULAR] - ROUNDING
     rest = (width - least) * (width + least)
     if rest <= 0.0:
         return n
@@ -249,24 +226,24 @@ def add_singular(P, k, motion, end, events, n):
 def joint_events(P, k, motion, events):
     """Arm angles at which the spherical joint at block k reaches a limit, the end of its reach, or a singularity."""
     v, _, r = motion
-    first = int(P[k + FIRST_JOINT])
+    first = int(P[k + at.FIRST_JOINT])
     n = 0
-    if P[RANGE_KIND + first] != 0.0:
-        n = add_limit(P, load3(P, k + BOUND_1_LOWER), v, P[k + A2_A3], events, n)
-        n = add_limit(P, load3(P, k + BOUND_1_UPPER), v, P[k + A2_A3], events, n)
-    if P[RANGE_KIND + first + 1] != 0.0:
+    if P[at.RANGE_KIND + first] != 0.0:
+        n = add_limit(P, load3(P, k + at.BOUND_1_LOWER), v, P[k + at.A2_A3], events, n)
+        n = add_limit(P, load3(P, k + at.BOUND_1_UPPER), v, P[k + at.A2_A3], events, n)
+    if P[at.RANGE_KIND + first + 1] != 0.0:
         n = add_middle(P, k, v, 0, events, n)
         n = add_middle(P, k, v, 1, events, n)
-    if P[RANGE_KIND + first + 2] != 0.0:
-        n = add_limit(P, load3(P, k + BOUND_3_LOWER), r, P[k + A1_A2], events, n)
-        n = add_limit(P, load3(P, k + BOUND_3_UPPER), r, P[k + A1_A2], events, n)
-    if P[BAND] > 0.0:
+    if P[at.RANGE_KIND + first + 2] != 0.0:
+        n = add_limit(P, load3(P, k + at.BOUND_3_LOWER), r, P[k + at.A1_A2], events, n)
+        n = add_limit(P, load3(P, k + at.BOUND_3_UPPER), r, P[k + at.A1_A2], events, n)
+    if P[at.BAND] > 0.0:
         n = add_joined(P, k, v, first, events, n)
         n = add_joined(P, k, v, first + 2, events, n)
     for end in range(2):
-        if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] == 0.0:
+        if P[k + (at.TOP_GAP if end == 0 else at.BOTTOM_GAP)] == 0.0:
             n = add_singular(P, k, motion, end, events, n)
         else:
             axis, gap = end_of_reach(P, k, end)
-            n = add_approach(axis, gap, v, P[SLACK_LIMIT], events, n)
+            n = add_approach(axis, gap, v, P[at.SLACK_LIMIT], events, n)
     return n

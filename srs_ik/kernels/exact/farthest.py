@@ -54,18 +54,15 @@ def draw_in(P, lowest, respect, box):
     """
     copy(P, box, SIZE)
     for j in range(7):
-        lower = P[LOWER + j]
-        upper = P[UPPER + j]
+        lower, upper = P[LOWER + j], P[UPPER + j]
         if lowest >= OUTSIDE:
             lower -= lowest - OUTSIDE
             upper += lowest - OUTSIDE
         elif P[INVERSE_HALF_RANGE + j] > 0.0:
             half = (1.0 + lowest) / P[INVERSE_HALF_RANGE + j]
-            lower = P[MIDDLE + j] - half
-            upper = P[MIDDLE + j] + half
+            lower, upper = P[MIDDLE + j] - half, P[MIDDLE + j] + half
         elif not respect:
-            lower = -math.inf
-            upper = math.inf
+            lower, upper = -math.inf, math.inf
         if lower > upper:
             return False
         set_limit(box, j, lower, upper)
@@ -111,10 +108,8 @@ def climb(P, side, branch, bracket, goal, S):
 
 @kernel
 def copy_interval(source, i, out, k):
-    """Copy row i of some intervals to row k of others: a whole row assigned would take a second to compile."""
-    out[k, 0] = source[i, 0]
-    out[k, 1] = source[i, 1]
-    out[k, 2] = source[i, 2]
+    """Copy row i of some intervals to row k of others."""
+    copy(row(source, i), row(out, k), 3)
 
 
 @kernel
@@ -299,9 +294,7 @@ def best_glance(P, place_, sides, branch, respect):
 def whole_circles(out):
     """Write every arm angle of every branch as eight intervals."""
     for b in range(8):
-        out[b, 0] = b
-        out[b, 1] = -math.pi
-        out[b, 2] = math.pi
+        out[b, 0], out[b, 1], out[b, 2] = b, -math.pi, math.pi
 
 
 @kernel

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.exact.bend_crossings import MOST_CROSSINGS, MOST_CURVES, bends_of_crossings
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bend_in_line, bends_at
 from srs_ik.kernels.exact.bends import bent_place
@@ -19,19 +19,8 @@ from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.gaps import ROUNDING, can_be
 from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import (
-    FAR,
-    FREE,
-    INVERSE_HALF_RANGE,
-    LIMITED,
-    LOOSE,
-    NEAR,
-    SHOULDER,
-    SIZE,
-    SLACK_LIMIT,
-    WRIST,
-)
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.limits import is_inside, tighten
@@ -96,17 +85,15 @@ def merge(P, place_, x, found, both, out, n):
     """Join the intervals at a bend to the first n in rows of out; their number."""
     m = find_intervals(P, bent_place(place_, x), -1, found)
     n = min(joined(out, n, found, m, both), out.shape[0])
-    for i in range(n):
-        for c in range(3):
-            out[i, c] = both[i, c]
+    copy(row(both, 0), row(out, 0), 3 * n)
     return n
 
 
 @kernel
 def span_of_bends(P, place_):
     """The smallest and the largest bend that are tried of a pose whose elbow is as good as flat, as sines."""
-    reach, own = P[FAR] if place_[2] > 0.0 else P[NEAR], place_[3]
-    untold = math.sqrt(8.0 * UNTOLD_REACH * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR])))
+    reach, own = P[at.FAR] if place_[2] > 0.0 else P[at.NEAR], place_[3]
+    untold = math.sqrt(8.0 * UNTOLD_REACH * reach / ((P[at.FAR] - P[at.NEAR]) * (P[at.FAR] + P[at.NEAR])))
     untold = max(min(LARGEST_BEND, untold), SMALLEST_BEND)
     return math.sqrt(max(own * own - untold * untold, 0.0)), math.sqrt(own * own + untold * untold)
 
@@ -116,7 +103,7 @@ def take_centres(P, place_, span, centres):
     """Fill in the bends at which outer axes come into line, each once; their number."""
     n = 0
     for i in range(8):
-        x = bend_in_line(P, place_, SHOULDER if i < 4 else WRIST, (i >> 1) & 1, i & 1, span)
+        x = bend_in_line(P, place_, at.SHOULDER if i < 4 else at.WRIST, (i >> 1) & 1, i & 1, span)
         known = x < 0.0
         for j in range(n):
             known = known or abs(x - centres[j]) <= SAME_BEND * x
@@ -129,9 +116,8 @@ def take_centres(P, place_, span, centres):
 @kernel
 def is_pinned(P):
     """Whether limits leave an outer joint less room than rounding takes of it at the smallest bends."""
-    narrowest = max(
-        max(P[INVERSE_HALF_RANGE], P[INVERSE_HALF_RANGE + 2]), max(P[INVERSE_HALF_RANGE + 4], P[INVERSE_HALF_RANGE + 6])
-    )
+    k = at.INVERSE_HALF_RANGE
+    narrowest = max(max(P[k], P[k + 2]), max(P[k + 4], P[k + 6]))
     return narrowest > 2.0 * SMALLEST_BEND / ROUNDING
 
 
@@ -139,13 +125,13 @@ def is_pinned(P):
 def keeps_limits(P, place_, c, s, branch):
     """Whether a branch keeps the limits at an arm angle, given by cosine and sine, but for rounding."""
     base, arm, c4, s4 = side_frames(P, place_, branch >> 2, c, s)
-    if not is_inside(P, 3, c4, s4, P[SLACK_LIMIT]):
+    if not is_inside(P, 3, c4, s4, P[at.SLACK_LIMIT]):
         return False
     v, y = shoulder_columns(P, base, arm)
-    if not can_be(P, SHOULDER, v, y, (branch >> 1) & 1):
+    if not can_be(P, at.SHOULDER, v, y, (branch >> 1) & 1):
         return False
     v, y = wrist_columns(P, place_, base, arm, c4, s4)
-    return can_be(P, WRIST, v, y, branch & 1)
+    return can_be(P, at.WRIST, v, y, branch & 1)
 
 
 @kernel
@@ -271,7 +257,7 @@ def ease(P, box):
 
     Where limits of several joints meet in one point, rounding leaves no room between them.
     """
-    tighten(P, NO_SEED, math.inf, 0.5 * P[SLACK_LIMIT], box)
+    tighten(P, NO_SEED, math.inf, 0.5 * P[at.SLACK_LIMIT], box)
 
 
 @kernel
@@ -283,8 +269,8 @@ def intervals_of_bends(family, place_, respect, out, n):
     """
     found, both = np.empty((8 * MAX_PIECES, 3)), np.empty((16 * MAX_PIECES, 3))
     centres = np.empty(8)
-    P = row(family, LOOSE + (LIMITED if respect else FREE))
-    boxes = np.empty((1, SIZE))
+    P = row(family, at.LOOSE + (at.LIMITED if respect else at.FREE))
+    boxes = np.empty((1, at.SIZE))
     eased = row(boxes, 0)
     ease(P, eased)
     span = span_of_bends(P, place_)
@@ -305,9 +291,7 @@ def intervals_of_bends(family, place_, respect, out, n):
                 n = merge(eased, place_, centres[i] - away, found, both, out, n)
             if centres[i] + away < span[1]:
                 n = merge(eased, place_, centres[i] + away, found, both, out, n)
-    for i in range(n):
-        for c in range(3):
-            both[i, c] = out[i, c]
+    copy(row(out, 0), row(both, 0), 3 * n)
     n = stretch((P, eased), place_, span, both[:n], out)
     keep(boxes)
     return n

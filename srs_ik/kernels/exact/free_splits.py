@@ -122,12 +122,7 @@ def search_near_line(limbs, target, wanted, goal, best, work):
 def with_splits(P, target, wanted, goal, best):
     """The best posture of a pose as known so far, or a free split that is better, each a posture, branch and cost.
 
-    Args:
-        P: packed limb.
-        target: the pose.
-        wanted: the only branch that counts; -1: all.
-        goal: which posture is best.
-        best: best posture so far, its branch and its cost.
+    Only the branch that is wanted counts; -1: all.
     """
     if not may_split(P, target.place):
         return best

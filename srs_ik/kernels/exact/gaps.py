@@ -8,19 +8,7 @@ from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, root, where
 from srs_ik.kernels.algebra.vectors import add, load3, norm, sub, swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    BAND,
-    BOTTOM_GAP,
-    COS_LOWER,
-    COS_UPPER,
-    FIRST_JOINT,
-    RANGE_KIND,
-    SIN_LOWER,
-    SIN_UPPER,
-    SLACK_LIMIT,
-    TOP_GAP,
-)
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.limits import LEVEL, TURN, is_inside, turn_to_middle, violation
 from srs_ik.kernels.limb.spherical import angles, eight_middles, middle_anchor, middle_angle, sines
 from srs_ik.kernels.limb.splits import nearest_split
@@ -46,25 +34,25 @@ def splits_inside(P, k, turn_1, turn_3, toward, give):
 
     That is the more, the closer their axes are to one line: `give`, rad.
     """
-    first = int(P[k + FIRST_JOINT])
-    if give <= P[SLACK_LIMIT] or not is_inside(P, first, turn_1[0], turn_1[1], give):
+    first = int(P[k + at.FIRST_JOINT])
+    if give <= P[at.SLACK_LIMIT] or not is_inside(P, first, turn_1[0], turn_1[1], give):
         return False
     q1 = turn_to_middle(P, first, math.atan2(turn_1[1], turn_1[0]))
     q3 = turn_to_middle(P, first + 2, math.atan2(turn_3[1], turn_3[0]))
     a, b = nearest_split(P, k, first, toward * q1 + q3, toward, q1, q3)
-    return abs(a - q1) <= 2.0 * give and max(violation(P, first, a), violation(P, first + 2, b)) <= P[SLACK_LIMIT]
+    return abs(a - q1) <= 2.0 * give and max(violation(P, first, a), violation(P, first + 2, b)) <= P[at.SLACK_LIMIT]
 
 
 @kernel
 def fits(P, k, v, y, c, s, sign):
     """Whether one solution of the spherical joint at block k has turns inside the limits."""
-    first = int(P[k + FIRST_JOINT])
+    first = int(P[k + at.FIRST_JOINT])
     one, two, three, length = sines(P, k, v, y, c, s if sign == 0 else -s)
-    slack = P[SLACK_LIMIT]
+    slack = P[at.SLACK_LIMIT]
     if not is_inside(P, first + 1, two[0], two[1], slack):
         return False
-    if P[BAND] != 0.0:
-        slack = P[BAND] / math.sqrt(max(length, 1e-12))
+    if P[at.BAND] != 0.0:
+        slack = P[at.BAND] / math.sqrt(max(length, 1e-12))
         return is_inside(P, first, one[0], one[1], slack) and is_inside(P, first + 2, three[0], three[1], slack)
     if length > 0.0:
         if is_inside(P, first, one[0], one[1], slack) and is_inside(P, first + 2, three[0], three[1], slack):
@@ -108,10 +96,10 @@ def almost_fits(P, k, motion, psi, sign):
     """Whether one solution of a spherical joint keeps the limits at an arm angle where its reach may end."""
     v, y = turned_with(motion, psi)
     c, s, _ = middle_angle(P, k, v)
-    up, down = norm(sub(v, load3(P, k + A1))), norm(add(v, load3(P, k + A1)))
-    if P[k + TOP_GAP] - 0.5 * up * up > min(AT_ITS_END, CLOSE_TO_END * up):
+    up, down = norm(sub(v, load3(P, k + at.A1))), norm(add(v, load3(P, k + at.A1)))
+    if P[k + at.TOP_GAP] - 0.5 * up * up > min(AT_ITS_END, CLOSE_TO_END * up):
         return False
-    if P[k + BOTTOM_GAP] - 0.5 * down * down > min(AT_ITS_END, CLOSE_TO_END * down):
+    if P[k + at.BOTTOM_GAP] - 0.5 * down * down > min(AT_ITS_END, CLOSE_TO_END * down):
         return False
     return fits(P, k, v, y, c, s, sign)
 
@@ -119,12 +107,12 @@ def almost_fits(P, k, motion, psi, sign):
 @kernel
 def eight_outside(P, joint, turn_, slack):
     """`limits.is_inside` of eight angles, given by cosine and sine, with a slack each: bits of those that are not."""
-    kind = P[RANGE_KIND + joint]
+    kind = P[at.RANGE_KIND + joint]
     if kind == 0.0:
         return 0
     c, s = turn_
-    cl, sl = P[COS_LOWER + joint], P[SIN_LOWER + joint]
-    cu, su = P[COS_UPPER + joint], P[SIN_UPPER + joint]
+    cl, sl = P[at.COS_LOWER + joint], P[at.SIN_LOWER + joint]
+    cu, su = P[at.COS_UPPER + joint], P[at.SIN_UPPER + joint]
     low, high = cl * s - sl * c < -slack, su * c - cu * s < -slack
     if kind == 1.0:
         x, y = cl + cu, sl + su
@@ -136,12 +124,12 @@ def eight_outside(P, joint, turn_, slack):
 @kernel
 def eight_misfits(P, k, v, y, c, s):
     """Bits of eight solutions of a spherical joint outside the limits, and of those that have to be looked at alone."""
-    first = int(P[k + FIRST_JOINT])
+    first = int(P[k + at.FIRST_JOINT])
     q1, q2, q3, length = sines(P, k, v, y, c, s)
-    slack = P[SLACK_LIMIT] + 0.0 * length
+    slack = P[at.SLACK_LIMIT] + 0.0 * length
     outside = eight_outside(P, first + 1, q2, slack)
-    if P[BAND] != 0.0:
-        slack = P[BAND] / root(where(length > 1e-12, length, 1e-12))
+    if P[at.BAND] != 0.0:
+        slack = P[at.BAND] / root(where(length > 1e-12, length, 1e-12))
     outside |= eight_outside(P, first, q1, slack) | eight_outside(P, first + 2, q3, slack)
     return outside, ALL ^ as_bits(length > 0.0)
 
@@ -174,20 +162,20 @@ def middle_of_gap(events, n, i):
 @kernel
 def mark_gaps(P, k, motion, wanted, events, n, marks):
     """Mark the gap behind each of n events of a spherical joint with its feasible signs."""
-    for at in range(0, n, 8):
+    for begin in range(0, n, 8):
         psi = eight_of(
-            middle_of_gap(events, n, at),
-            middle_of_gap(events, n, at + 1),
-            middle_of_gap(events, n, at + 2),
-            middle_of_gap(events, n, at + 3),
-            middle_of_gap(events, n, at + 4),
-            middle_of_gap(events, n, at + 5),
-            middle_of_gap(events, n, at + 6),
-            middle_of_gap(events, n, at + 7),
+            middle_of_gap(events, n, begin),
+            middle_of_gap(events, n, begin + 1),
+            middle_of_gap(events, n, begin + 2),
+            middle_of_gap(events, n, begin + 3),
+            middle_of_gap(events, n, begin + 4),
+            middle_of_gap(events, n, begin + 5),
+            middle_of_gap(events, n, begin + 6),
+            middle_of_gap(events, n, begin + 7),
         )
         first, second, unsure = eight_signs(P, k, motion, psi)
-        for i in range(at, min(at + 8, n)):
-            bit = i - at
+        for i in range(begin, min(begin + 8, n)):
+            bit = i - begin
             width = end_of_gap(events, n, i) - events[i]
             if width <= 0.0:
                 marks[i] = -1

@@ -12,16 +12,7 @@ from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1_A2,
-    A2_A3,
-    FIRST_JOINT,
-    INVERSE_HALF_RANGE,
-    MIDDLE,
-    PHASE,
-    SHOULDER,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import A1_A2, A2_A3, FIRST_JOINT, INVERSE_HALF_RANGE, MIDDLE, PHASE, SHOULDER, WRIST
 from srs_ik.kernels.limb.spherical import eight_middles, sines
 
 TURN = 2.0 * math.pi

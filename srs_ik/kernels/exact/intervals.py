@@ -16,11 +16,7 @@ from srs_ik.kernels.exact.events import PI, TURN, joint_events
 from srs_ik.kernels.exact.gaps import almost_fits, end_of_gap, feasible_signs, mark_gaps
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
-from srs_ik.kernels.layout.limb import (
-    SHOULDER,
-    SLACK_JOIN,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import SHOULDER, SLACK_JOIN, WRIST
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -37,8 +33,7 @@ ALONE = 0.01
 @kernel
 def write_piece(pieces, sign, n, lower, upper):
     """Append an interval to the pieces of a solution."""
-    pieces[sign, n, 0] = lower
-    pieces[sign, n, 1] = upper
+    pieces[sign, n, 0], pieces[sign, n, 1] = lower, upper
     return n + 1
 
 
@@ -58,8 +53,7 @@ def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
     A full circle is the single piece (-pi, pi).
     """
     bit = 1 << sign
-    start = -1
-    some = False
+    start, some = -1, False
     for i in range(n):
         if marks[i] & bit:
             some = True
@@ -68,8 +62,7 @@ def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
                 break
     if some and start < 0:
         return write_piece(pieces, sign, 0, -PI, PI)
-    count = 0
-    i = 0
+    count, i = 0, 0
     while start >= 0 and i < n:
         length = 0
         while i + length < n and marks[(start + i + length) % n] & bit:

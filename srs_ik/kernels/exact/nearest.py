@@ -14,19 +14,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A2,
-    A3,
-    ACROSS_3,
-    FAR,
-    IS_CLOSED,
-    MISS,
-    PHASE,
-    SHOULDER,
-    STRAIGHT,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import A1, A2, A3, ACROSS_3, FAR, IS_CLOSED, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -59,9 +47,7 @@ HARDLY = 1e-5
 @kernel
 def spherical_columns(P, k, q1, q2, q3):
     """R a3 and R ACROSS_3 of the spherical joint at block k at three angles."""
-    a1 = load3(P, k + A1)
-    a2 = load3(P, k + A2)
-    a3 = load3(P, k + A3)
+    a1, a2, a3 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3)
     c1, s1, c2, s2 = math.cos(q1), math.sin(q1), math.cos(q2), math.sin(q2)
     y = rotate(a3, math.cos(q3), math.sin(q3), load3(P, k + ACROSS_3))
     return rotate(a1, c1, s1, rotate(a2, c2, s2, a3)), rotate(a1, c1, s1, rotate(a2, c2, s2, y))

@@ -174,9 +174,7 @@ def nearest_within(P, place_, found, branch, goal, lowest):
         for k in range(count):
             # A little more than the sample, which is to be found again itself.
             reached = min(reached, rows[k, 1] * (1.0 + 1e-12))
-    best_q = seed
-    best = 0
-    least = 4.0 * NO_BRANCH
+    best_q, best, least = seed, 0, 4.0 * NO_BRANCH
     for i in range(kept):
         if peaks[i, 0] >= height(least):
             break

@@ -7,21 +7,7 @@ import math
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate
 from srs_ik.kernels.exact.events import insert
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A1_A2,
-    A2,
-    A2_A3,
-    A3,
-    FIRST_JOINT,
-    INVERSE_HALF_RANGE,
-    LOWER,
-    MIDDLE,
-    RANGE_KIND,
-    SHOULDER,
-    UPPER,
-    WRIST,
-)
+from srs_ik.kernels.layout import limb as at
 
 STEP = 2.0 * math.pi / 48.0
 """Widest spacing."""
@@ -51,10 +37,9 @@ def add_swings(P, k, motion, lower, upper, samples, n):
     There they move like the arc tangent of the distance over the closest distance, so the samples follow a tangent.
     """
     circle = motion[0]
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + at.A1)
     constant = dot(a1, circle[0])
-    c = dot(a1, circle[1])
-    s = dot(a1, circle[2])
+    c, s = dot(a1, circle[1]), dot(a1, circle[2])
     r = math.sqrt(c * c + s * s)
     if r < 1e-9:
         return n
@@ -77,20 +62,16 @@ def add_changes(P, k, motion, joint, angle, lower, upper, samples, n):
 
     Where another joint passes one at once, both may keep their limits there alone.
     """
-    a1 = load3(P, k + A1)
-    a2 = load3(P, k + A2)
-    a3 = load3(P, k + A3)
-    c = math.cos(angle)
-    s = math.sin(angle)
-    place = joint - int(P[k + FIRST_JOINT])
+    a1, a2, a3 = load3(P, k + at.A1), load3(P, k + at.A2), load3(P, k + at.A3)
+    c, s = math.cos(angle), math.sin(angle)
+    place = joint - int(P[k + at.FIRST_JOINT])
     if place == 0:
-        x, circle, value = rotate(a1, c, s, a2), motion[0], P[k + A2_A3]
+        x, circle, value = rotate(a1, c, s, a2), motion[0], P[k + at.A2_A3]
     elif place == 1:
         x, circle, value = a1, motion[0], dot(a1, rotate(a2, c, s, a3))
     else:
-        x, circle, value = rotate(a3, c, -s, a2), motion[2], P[k + A1_A2]
-    c = dot(x, circle[1])
-    s = dot(x, circle[2])
+        x, circle, value = rotate(a3, c, -s, a2), motion[2], P[k + at.A1_A2]
+    c, s = dot(x, circle[1]), dot(x, circle[2])
     rest = value - dot(x, circle[0])
     r = math.sqrt(c * c + s * s)
     if abs(rest) < r:
@@ -110,15 +91,15 @@ def add_turns(P, side, seeded, lower, upper, samples, n):
     Next to a seed, that is where the nearer turn leaves the limits; else, half a turn from the middle of the range.
     """
     for joint in range(7):
-        if joint == 3 or P[RANGE_KIND + joint] != 0.0 or P[INVERSE_HALF_RANGE + joint] == 0.0:
+        if joint == 3 or P[at.RANGE_KIND + joint] != 0.0 or P[at.INVERSE_HALF_RANGE + joint] == 0.0:
             continue
-        k = SHOULDER if joint < 3 else WRIST
+        k = at.SHOULDER if joint < 3 else at.WRIST
         motion = side[1] if joint < 3 else side[2]
         if seeded:
-            n = add_changes(P, k, motion, joint, P[LOWER + joint], lower, upper, samples, n)
-            n = add_changes(P, k, motion, joint, P[UPPER + joint], lower, upper, samples, n)
+            n = add_changes(P, k, motion, joint, P[at.LOWER + joint], lower, upper, samples, n)
+            n = add_changes(P, k, motion, joint, P[at.UPPER + joint], lower, upper, samples, n)
         else:
-            n = add_changes(P, k, motion, joint, P[MIDDLE + joint] + math.pi, lower, upper, samples, n)
+            n = add_changes(P, k, motion, joint, P[at.MIDDLE + joint] + math.pi, lower, upper, samples, n)
     return n
 
 
@@ -139,6 +120,6 @@ def spread_evenly(lower, upper, widest, fewest, samples):
 def take_samples(P, side, lower, upper, samples):
     """Fill in the sorted arm angles at which to look at an interval first, its ends included; return their number."""
     n = spread_evenly(lower, upper, STEP, SMALLEST_COUNT, samples)
-    n = add_swings(P, SHOULDER, side[1], lower, upper, samples, n)
-    n = add_swings(P, WRIST, side[2], lower, upper, samples, n)
+    n = add_swings(P, at.SHOULDER, side[1], lower, upper, samples, n)
+    n = add_swings(P, at.WRIST, side[2], lower, upper, samples, n)
     return add_turns(P, side, False, lower, upper, samples, n)

@@ -167,17 +167,9 @@ def next_step(points, span, step):
 def summit(P, side, axes, branch, span, outside, points):
     """Where the joints but the elbow are farthest from their limits between two arm angles, from one between them on.
 
-    Args:
-        P: packed limb.
-        side: the side of the elbow, from `triangle.elbow_side`.
-        axes: about which the rotations of shoulder and wrist turn, from `turning_axes`.
-        branch: the branch.
-        span: lower, middle and upper arm angle.
-        outside: whether the least violation is wanted, where no limits can be kept.
-        points: (3, CLIMB) work space.
-
-    Returns:
-        The arm angle, and whether no joint was close to a jump on the way: else there may be more elsewhere.
+    `axes` are those of `turning_axes`, `span` lower, middle and upper arm angle, `points` (3, CLIMB) work space. Where
+    limits cannot be kept, the least violation is wanted: `outside`. Returns the arm angle, and whether no joint was
+    close to a jump on the way: else there may be more elsewhere.
     """
     lower, psi, upper = span
     a, b, x = row(points, 0), row(points, 1), row(points, 2)

@@ -169,14 +169,6 @@ class Around(NamedTuple):
     spacing: float
 
 
-class Spot(NamedTuple):
-    """A pose with what all its configurations share."""
-
-    R: Any
-    p: Any
-    place: Any
-
-
 class Posture(NamedTuple):
     """One posture of a path: joint angles, arm angle, branch."""
 

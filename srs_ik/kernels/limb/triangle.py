@@ -21,6 +21,7 @@ from srs_ik.kernels.algebra.vectors import (
     times_transposed,
 )
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import (
     A1,
     A3,
@@ -45,6 +46,7 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
     WRIST_IN_TIP,
 )
+from srs_ik.kernels.limb.poses import read_pose
 
 REFERENCE_SINE = 1e-8
 """Below this sine between S-W and the reference direction, the second reference direction defines the arm angle."""
@@ -100,6 +102,13 @@ def elbow_bend(P, d):
     near = (d - P[NEAR]) * (d + P[NEAR])
     share = 1.0 / (far + near)
     return (near - far) * share, 2.0 * math.sqrt(far * near) * share, 0.0
+
+
+@kernel
+def target_of(P, T):
+    """A pose that is known to be a good one, with what all its configurations share."""
+    R, p, _ = read_pose(T)
+    return Target(R, p, place(P, R, p))
 
 
 @kernel

@@ -11,17 +11,9 @@ from srs_ik.kernels.exact.events import TOUCH, TURN
 from srs_ik.kernels.exact.farthest import farthest, farthest_of_all
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import maps as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE
-from srs_ik.kernels.layout.maps import (
-    CELL_ARCS,
-    CELL_BRANCHES,
-    CELL_MARGIN,
-    CELL_PIECES,
-    CELL_WIDEST,
-    CELL_WIDTH,
-    MOST_ARCS,
-)
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
@@ -36,7 +28,7 @@ STEP_ASIDE = 1e-9
 @kernel
 def clear(most, out):
     """A cell that is not reached."""
-    for k in range(CELL_ARCS + 2 * most):
+    for k in range(at.CELL_ARCS + 2 * most):
         out[k] = 0.0
 
 
@@ -49,10 +41,10 @@ def write_measures(found, n, out):
         branches |= 1 << int(found[i, 0])
         total += width
         widest = max(widest, width)
-    out[CELL_BRANCHES] = branches
-    out[CELL_PIECES] = n
-    out[CELL_WIDTH] = total
-    out[CELL_WIDEST] = widest
+    out[at.CELL_BRANCHES] = branches
+    out[at.CELL_PIECES] = n
+    out[at.CELL_WIDTH] = total
+    out[at.CELL_WIDEST] = widest
 
 
 @kernel
@@ -86,7 +78,7 @@ def write_yaws(P, place_, found, n, limits, most, out):
     if limits[1] - limits[0] >= TURN - TOUCH:
         write_arcs(np.empty((1, 2)), -1, most, out)
         return
-    arcs = np.empty((MOST_ARCS + n + 2, 2))
+    arcs = np.empty((at.MOST_ARCS + n + 2, 2))
     count = 0
     for elbow in range(2):
         _, motion, _, _ = elbow_side(P, place_, elbow)
@@ -100,15 +92,10 @@ def write_yaws(P, place_, found, n, limits, most, out):
 
 @kernel
 def write_cell(family, place_, limits, asked, space, out):
-    """Write what a map tells of a pose of an exact limb into a cell.
+    """Write what a map tells of a pose of an exact limb into a cell, as in `layout.maps`; for arcs, joint 1 is free.
 
-    Args:
-        family: packed limbs; for arcs of yaw, with joint 1 free.
-        place_: the pose, from `triangle.place`.
-        limits: lower and upper limit of joint 1, rad, for arcs of yaw.
-        asked: how many arcs there is room for (0: none are wanted), and whether the margin is wanted.
-        space: work space, from `reach.room`.
-        out: the row of the cell, as in `layout.maps`.
+    `limits` are those of joint 1, rad; `asked` how many arcs there is room for (0: none are wanted), and whether the
+    margin is wanted; `space` is that of `reach.room`.
     """
     most, margin = asked
     if abs(place_[5]) >= SOLVED:
@@ -124,10 +111,10 @@ def write_cell(family, place_, limits, asked, space, out):
         clear(most, out)
         return
     write_measures(space.found, n, out)
-    out[CELL_MARGIN] = 0.0
+    out[at.CELL_MARGIN] = 0.0
     if margin:
         _, _, cost = farthest(P, place_, space.found[:n], -1, True)
-        out[CELL_MARGIN] = max(-cost, 0.0) if math.isfinite(cost) else 0.0
+        out[at.CELL_MARGIN] = max(-cost, 0.0) if math.isfinite(cost) else 0.0
     if most > 0:
         write_yaws(P, place_, space.found, n, limits, most, out)
 

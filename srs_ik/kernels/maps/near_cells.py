@@ -15,20 +15,9 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, add, apply, load3, load9, norm, sub
 from srs_ik.kernels.exact.events import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import (
-    AXES,
-    ELBOW_CENTRE,
-    FAR,
-    LIMITED,
-    POINTS,
-    SHOULDER_CENTRE,
-    SIZE,
-    TIP_POSITION,
-    TIP_ROTATION,
-    WRIST_IN_TIP,
-)
 from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read_pose
@@ -67,21 +56,21 @@ Near = namedtuple("Near", ("J", "A", "found", "answers", "boxes", "exact", "slac
 """Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3), (1, ROW), (1, SIZE), and that of an exact limb; and
 how much farther than this the true chain may reach, m."""
 
-Posed = namedtuple("Posed", ("T", "place_", "R", "p"))
-"""A pose: its 16 figures, what its postures share (`triangle.place`), rotation and position."""
+Posed = namedtuple("Posed", ("T", "target"))
+"""A pose: its 16 figures, and these as they are read."""
 
 
 @kernel
 def near_room(family, J, A):
     """Work space for near limbs."""
-    slack = farther(row(family, LIMITED))
-    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, SIZE)), room(family), slack)
+    slack = farther(row(family, at.LIMITED))
+    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, at.SIZE)), room(family), slack)
 
 
 @kernel
 def from_line(P, joint, centre):
     """How far the axis of a joint passes by a centre."""
-    return norm(across(sub(centre, load3(P, POINTS + 3 * joint)), load3(P, AXES + 3 * joint)))
+    return norm(across(sub(centre, load3(P, at.POINTS + 3 * joint)), load3(P, at.AXES + 3 * joint)))
 
 
 @kernel
@@ -90,23 +79,17 @@ def farther(P):
 
     A point turns about an axis by no more than twice its distance from it, and the centres are such points.
     """
-    wrist = add(load3(P, TIP_POSITION), apply(load9(P, TIP_ROTATION), load3(P, WRIST_IN_TIP)))
-    total = from_line(P, 3, load3(P, ELBOW_CENTRE))
+    wrist = add(load3(P, at.TIP_POSITION), apply(load9(P, at.TIP_ROTATION), load3(P, at.WRIST_IN_TIP)))
+    total = from_line(P, 3, load3(P, at.ELBOW_CENTRE))
     for joint in range(3):
-        total += from_line(P, joint, load3(P, SHOULDER_CENTRE)) + from_line(P, 4 + joint, wrist)
-    return 2.0 * total + ROUNDING * P[FAR]
+        total += from_line(P, joint, load3(P, at.SHOULDER_CENTRE)) + from_line(P, 4 + joint, wrist)
+    return 2.0 * total + ROUNDING * P[at.FAR]
 
 
 @kernel
 def is_too_far(P, pose, space):
     """Whether the true chain cannot bring the wrist to where the pose wants it."""
-    return abs(pose.place_[5]) > space.slack or not may_reach(P, pose.place_)
-
-
-@kernel
-def intervals_near(family, pose, space):
-    """Write the feasible intervals on the true chain into `space.found`; return their number."""
-    return all_intervals(family, Target(pose.R, pose.p, pose.place_), True, space.J, space.A, space.found)
+    return abs(pose.target.place[5]) > space.slack or not may_reach(P, pose.target.place)
 
 
 @kernel
@@ -122,9 +105,9 @@ def is_met_near(P, pose, band, family, space):
     if not widen(P, band, -1.0, box):
         return False
     for elbow in range(2):
-        if not is_bent_right(box, pose.place_, elbow):
+        if not is_bent_right(box, pose.target.place, elbow):
             continue
-        side = elbow_side(P, pose.place_, elbow)
+        side = elbow_side(P, pose.target.place, elbow)
         for i in range(PROBED):
             psi = TURN * i / PROBED
             if is_met_at(box, side, math.cos(psi), math.sin(psi)) and is_clear(P, side, psi, band):
@@ -140,8 +123,9 @@ def is_out_of_band(P, pose, band, space):
     """Whether no posture keeps limits that are drawn out by more than the band: there is none on the true chain."""
     box = row(space.boxes, 0)
     widen(P, band, SAFE, box)
+    place_ = pose.target.place
     for elbow in range(2):
-        if is_bent_right(box, pose.place_, elbow) and any_overlap(box, elbow_side(P, pose.place_, elbow), space.exact):
+        if is_bent_right(box, place_, elbow) and any_overlap(box, elbow_side(P, place_, elbow), space.exact):
             return False
     return True
 
@@ -149,8 +133,8 @@ def is_out_of_band(P, pose, band, space):
 @kernel
 def is_surely_out(P, pose, space):
     """`is_out_of_band`, where the band tells enough."""
-    band = band_of(P, pose.place_)
-    if not may_predict(P, pose.place_, band) or SAFE * widest(band) >= WIDEST_BAND:
+    band = band_of(P, pose.target.place)
+    if not may_predict(P, pose.target.place, band) or SAFE * widest(band) >= WIDEST_BAND:
         return False
     return is_out_of_band(P, pose, band, space)
 
@@ -169,20 +153,19 @@ def reach_near(family, pose, space):
     Most poses are told by its nearest exact limb and the band around it, in which the true chain lies. Next to
     singularities a search may find what the curves have passed by.
     """
-    P = row(family, LIMITED)
+    P = row(family, at.LIMITED)
     if is_too_far(P, pose, space):
         return NOT_REACHED
-    target = Target(pose.R, pose.p, pose.place_)
-    band = band_of(P, pose.place_)
-    if may_predict(P, pose.place_, band):
+    band = band_of(P, pose.target.place)
+    if may_predict(P, pose.target.place, band):
         if is_met_near(P, pose, band, family, space):
             return REACHED
         if is_surely_out(P, pose, space):
             return NOT_REACHED
-    n = predicted_intervals(P, target, space.found, space.J, space.A)
+    n = predicted_intervals(P, pose.target, space.found, space.J, space.A)
     if n < 0:
-        n = true_intervals(P, target, True, space.found, space.J, space.A)
-    return REACHED if n > 0 or was_missed(P, target, space)[1] else NOT_REACHED
+        n = true_intervals(P, pose.target, True, space.found, space.J, space.A)
+    return REACHED if n > 0 or was_missed(P, pose.target, space)[1] else NOT_REACHED
 
 
 @kernel
@@ -272,15 +255,15 @@ def write_yaws_near(family, pose, found, wanted, space, out):
 def write_cell_near(family, pose, limits, most, space, out):
     """`cells.write_cell` of a near limb, without its margin."""
     clear(most, out)
-    P, target = row(family, LIMITED), Target(pose.R, pose.p, pose.place_)
+    P = row(family, at.LIMITED)
     if is_too_far(P, pose, space):
         return
-    n = intervals_near(family, pose, space)
+    n = all_intervals(family, pose.target, True, space.J, space.A, space.found)
     q, again = NO_SEED, False
     if n == 0 and not is_surely_out(P, pose, space):
-        q, again = was_missed(P, target, space)
+        q, again = was_missed(P, pose.target, space)
         if again:
-            n = intervals_through(P, target, q, True, space.found, space.J, space.A)
+            n = intervals_through(P, pose.target, q, True, space.found, space.J, space.A)
     if n == 0:
         return
     write_measures(space.found, n, out)
@@ -298,7 +281,7 @@ def reach_near_poses(family, poses, first, last, J, A, out):
         if verdict != GOOD_POSE:
             out[i] = -verdict
         else:
-            out[i] = reach_near(family, Posed(T, place(row(family, LIMITED), R, p), R, p), space)
+            out[i] = reach_near(family, Posed(T, Target(R, p, place(row(family, at.LIMITED), R, p))), space)
 
 
 @kernel
@@ -308,7 +291,7 @@ def measure_near_poses(family, poses, first, last, limits, most, space, out):
         T = row(poses, i)
         R, p, verdict = read_pose(T)
         if verdict == GOOD_POSE:
-            pose = Posed(T, place(row(family, LIMITED), R, p), R, p)
+            pose = Posed(T, Target(R, p, place(row(family, at.LIMITED), R, p)))
             write_cell_near(family, pose, limits, most, space, row(out, i))
         else:
             clear(most, row(out, i))

@@ -18,26 +18,8 @@ from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.gaps import fits
 from srs_ik.kernels.exact.intervals import joint_pieces
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
-from srs_ik.kernels.layout.limb import (
-    A1,
-    BOUND_2_LOWER,
-    BOUND_2_UPPER,
-    COS_STRAIGHT,
-    FIRST_JOINT,
-    LIMITED,
-    LOOSE,
-    LOWER,
-    PHASE,
-    RANGE_KIND,
-    SHOULDER,
-    SIN_STRAIGHT,
-    SIZE,
-    SLACK_JOIN,
-    SLACK_LIMIT,
-    UPPER,
-    WRIST,
-)
 from srs_ik.kernels.layout.maps import NOT_REACHED, REACHED, UNSURE
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.in_line import may_split
@@ -64,16 +46,10 @@ WIDER = 1e-6
 
 
 @kernel
-def widened(family, box):
-    """Copy the packed limb to `box` with limits farther out by `WIDER`."""
-    tighten(row(family, LOOSE), NO_SEED, math.inf, WIDER, box)
-
-
-@kernel
 def room(family):
     """Work space for `reach`."""
-    wide = np.empty((1, SIZE))
-    widened(family, row(wide, 0))
+    wide = np.empty((1, at.SIZE))
+    tighten(row(family, at.LOOSE), NO_SEED, math.inf, WIDER, row(wide, 0))
     return Room(
         np.empty(MAX_EVENTS),
         np.empty(MAX_EVENTS, np.int64),
@@ -88,9 +64,9 @@ def room(family):
 def is_bent_right(P, place_, elbow):
     """Whether the elbow keeps its limits on one of its two sides."""
     c, s = place_[2], -place_[3] if elbow == 1 else place_[3]
-    c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
-    s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
-    return is_inside(P, 3, c4, s4, P[SLACK_LIMIT])
+    c4 = P[at.COS_STRAIGHT] * c - P[at.SIN_STRAIGHT] * s
+    s4 = P[at.SIN_STRAIGHT] * c + P[at.COS_STRAIGHT] * s
+    return is_inside(P, 3, c4, s4, P[at.SLACK_LIMIT])
 
 
 @kernel
@@ -100,14 +76,14 @@ def middle_may_fit(P, k, circle, slack):
     Away from its phase on either side, the angle between axes 1 and 3 grows: limits within half a turn of the phase
     bound its cosine.
     """
-    joint = int(P[k + FIRST_JOINT]) + 1
-    low, high = P[LOWER + joint] - P[k + PHASE], P[UPPER + joint] - P[k + PHASE]
-    if P[RANGE_KIND + joint] == 0.0 or low < -math.pi or high > math.pi:
+    joint = int(P[k + at.FIRST_JOINT]) + 1
+    low, high = P[at.LOWER + joint] - P[k + at.PHASE], P[at.UPPER + joint] - P[k + at.PHASE]
+    if P[at.RANGE_KIND + joint] == 0.0 or low < -math.pi or high > math.pi:
         return True
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + at.A1)
     constant, c, s = dot(a1, circle[0]), dot(a1, circle[1]), dot(a1, circle[2])
     radius = math.sqrt(c * c + s * s)
-    at_low, at_high = P[k + BOUND_2_LOWER], P[k + BOUND_2_UPPER]
+    at_low, at_high = P[k + at.BOUND_2_LOWER], P[k + at.BOUND_2_UPPER]
     if constant + radius < min(at_low, at_high) - slack:
         return False
     return low <= 0.0 <= high or constant - radius <= max(at_low, at_high) + slack
@@ -118,8 +94,8 @@ def may_be_met(P, place_, side, elbow):
     """Whether elbow and middle joints can be inside their limits on one side of the elbow."""
     return (
         is_bent_right(P, place_, elbow)
-        and middle_may_fit(P, SHOULDER, side[1][0], MIDDLE_SLACK)
-        and middle_may_fit(P, WRIST, side[2][0], MIDDLE_SLACK)
+        and middle_may_fit(P, at.SHOULDER, side[1][0], MIDDLE_SLACK)
+        and middle_may_fit(P, at.WRIST, side[2][0], MIDDLE_SLACK)
     )
 
 
@@ -138,14 +114,14 @@ def fits_at(P, k, motion, cosine, sine):
 @kernel
 def is_met_at(P, side, cosine, sine):
     """Whether shoulder and wrist keep their limits at an arm angle."""
-    return fits_at(P, SHOULDER, side[1], cosine, sine) and fits_at(P, WRIST, side[2], cosine, sine)
+    return fits_at(P, at.SHOULDER, side[1], cosine, sine) and fits_at(P, at.WRIST, side[2], cosine, sine)
 
 
 @kernel
 def is_met(P, side):
     """Whether one of the first arm angles is feasible."""
     for cosine, sine in PROBES:
-        if fits_at(P, SHOULDER, side[1], cosine, sine) and fits_at(P, WRIST, side[2], cosine, sine):
+        if fits_at(P, at.SHOULDER, side[1], cosine, sine) and fits_at(P, at.WRIST, side[2], cosine, sine):
             return True
     return False
 
@@ -181,10 +157,10 @@ def shared_angle(P, side, s, space):
 
     The pieces of the shoulder are in `space`; s is their number for each of its solutions.
     """
-    w = joint_pieces(P, WRIST, side[2], 3, space.events, space.marks, space.wrist)
+    w = joint_pieces(P, at.WRIST, side[2], 3, space.events, space.marks, space.wrist)
     for i in range(2):
         for j in range(2):
-            some, psi = overlap(space.shoulder, s[i], i, space.wrist, w[j], j, P[SLACK_JOIN])
+            some, psi = overlap(space.shoulder, s[i], i, space.wrist, w[j], j, P[at.SLACK_JOIN])
             if some:
                 return True, psi
     return False, 0.0
@@ -193,7 +169,7 @@ def shared_angle(P, side, s, space):
 @kernel
 def shoulder_pieces(P, side, space):
     """Write the feasible arm angles of the shoulder's two solutions into `space`; how many pieces each has."""
-    return joint_pieces(P, SHOULDER, side[1], 3, space.events, space.marks, space.shoulder)
+    return joint_pieces(P, at.SHOULDER, side[1], 3, space.events, space.marks, space.shoulder)
 
 
 @kernel
@@ -232,7 +208,7 @@ def reach(family, place_, space):
     if abs(place_[5]) >= SOLVED:
         return NOT_REACHED
     # Rounding may hide a posture from the strict tolerances.
-    P, wide = row(family, LOOSE), row(space.wide, 0)
+    P, wide = row(family, at.LOOSE), row(space.wide, 0)
     first = elbow_side(P, place_, 0)
     may_0 = may_be_met(wide, place_, first, 0)
     if may_0 and is_bent_right(P, place_, 0) and is_met(P, first):
@@ -260,4 +236,4 @@ def reach_poses(family, poses, first, last, out):
         if verdict != GOOD_POSE:
             out[i] = -verdict
         else:
-            out[i] = reach(family, place(row(family, LIMITED), R, p), space)
+            out[i] = reach(family, place(row(family, at.LIMITED), R, p), space)

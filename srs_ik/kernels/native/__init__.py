@@ -81,11 +81,7 @@ def is_compiled(room: str) -> bool:
 
 
 def compiled_entry(function: Callable[..., Any]) -> Any:
-    """The compiled form of an entry; None where there is none of these sources.
-
-    Raises:
-        AttributeError: the table of entries had no line for it when the kernels were compiled.
-    """
+    """The compiled form of an entry; None where there is none of these sources. AttributeError: the table lacks it."""
     room = function.__module__.rpartition(".")[2]
     return getattr(extension(), f"{room}_{function.__name__}") if is_compiled(room) else None
 

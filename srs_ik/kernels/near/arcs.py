@@ -146,8 +146,7 @@ def rates_of(point):
 @kernel
 def put_marks_of_arcs(P, target, points, count, marks):
     """Marks at the ends of some arcs, those first from which the curves lead into one; how many these are."""
-    starts = 0
-    n = 0
+    starts, n = 0, 0
     for into in range(2):
         for first in range(0, 8 * count, 8):
             q = take_eight(row(points, first), POINT)

@@ -13,30 +13,7 @@ from srs_ik.kernels.chain.eight import ALL, highest
 from srs_ik.kernels.chain.kinematics import forward_kinematics, tip_frame
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A1_A2,
-    A2_A3,
-    BAND,
-    BANDS,
-    BOTTOM_GAP,
-    COSINE_OFF,
-    FAR,
-    LOWER,
-    NEAR,
-    PHASE,
-    RANGE_KIND,
-    SHIFT_BEND,
-    SHIFT_CLOSED,
-    SHIFT_COSINE,
-    SHOULDER,
-    SIZE,
-    STRAIGHT,
-    TOP_GAP,
-    UPPER,
-    WELL_CLEAR,
-    WRIST,
-)
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import beyond, set_joint_limits, set_limit, turn_to_middle
@@ -76,7 +53,7 @@ ALMOST_NOTHING = 1e-4
 @kernel
 def sines_of_middles(P, q):
     """How far shoulder and wrist are from singular."""
-    return abs(math.sin(q[1] - P[SHOULDER + PHASE])), abs(math.sin(q[5] - P[WRIST + PHASE]))
+    return abs(math.sin(q[1] - P[at.SHOULDER + at.PHASE])), abs(math.sin(q[5] - P[at.WRIST + at.PHASE]))
 
 
 @kernel
@@ -92,7 +69,7 @@ def cosine_off(P, c4, sw):
 
     Of one, or of eight: c4 is the cosine, sw the way from shoulder to wrist.
     """
-    near2, far2 = P[NEAR] * P[NEAR], P[FAR] * P[FAR]
+    near2, far2 = P[at.NEAR] * P[at.NEAR], P[at.FAR] * P[at.FAR]
     return (2.0 * dot(sw, sw) - near2 - far2) / (far2 - near2) - c4
 
 
@@ -107,13 +84,13 @@ def put_shift(P, q, out):
     place_ = place(P, R, p)
     branch = branch_of(P, q)
     s2, s6 = sines_of_middles(P, q)
-    out[SHIFT_COSINE] = cosine_off(P, math.cos(q[3] - P[STRAIGHT]), shoulder_to_wrist(P, R, p))
-    out[SHIFT_CLOSED], out[SHIFT_BEND] = place_[2], 0.0
+    out[at.SHIFT_COSINE] = cosine_off(P, math.cos(q[3] - P[at.STRAIGHT]), shoulder_to_wrist(P, R, p))
+    out[at.SHIFT_CLOSED], out[at.SHIFT_BEND] = place_[2], 0.0
     if min(s2, s6) < WELL_BENT or place_[5] != 0.0:
         return
     psi = arm_angle(P, q, place_[0], place_[1])
     d = difference(q, certain_posture(P, elbow_side(P, place_, branch >> 2), branch, psi))
-    out[SHIFT_BEND] = place_[3]
+    out[at.SHIFT_BEND] = place_[3]
     for j in range(7):
         out[j] = share_of(j, s2, s6) * abs(d[j])
 
@@ -139,7 +116,7 @@ def may_meet_limits(P, view, branch, psi):
 @kernel
 def of_joint(P, j, share):
     """The band of joint j, with one over the sine of the bend given."""
-    return P[BANDS + 2 * j] + P[BANDS + 2 * j + 1] * share
+    return P[at.BANDS + 2 * j] + P[at.BANDS + 2 * j + 1] * share
 
 
 @kernel
@@ -181,8 +158,8 @@ def farthest_off(P, place_):
             return 2.0
         x, y, z, p = tip_frame(P, turns_of(q))
         R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
-        most = max(most, highest(-level[2] * cosine_off(P, turn(q[3] - P[STRAIGHT])[0], shoulder_to_wrist(P, R, p))))
-    return SPREAD * most + REST * P[COSINE_OFF]
+        most = max(most, highest(-level[2] * cosine_off(P, turn(q[3] - P[at.STRAIGHT])[0], shoulder_to_wrist(P, R, p))))
+    return SPREAD * most + REST * P[at.COSINE_OFF]
 
 
 @kernel
@@ -192,9 +169,9 @@ def least_bend(P, place_):
     Where the closed form's bend is so wide that no pose of the limb has a flat elbow with it, it is the closed form's.
     """
     gap = 1.0 - abs(place_[2])
-    if gap > WELL_CLEAR * P[COSINE_OFF]:
+    if gap > at.WELL_CLEAR * P[at.COSINE_OFF]:
         return place_[3]
-    if gap < 2.0 * REST * P[COSINE_OFF]:
+    if gap < 2.0 * REST * P[at.COSINE_OFF]:
         return 0.0
     gap -= farthest_off(P, place_)
     return math.sqrt(gap * (2.0 - gap)) if gap > 0.0 else 0.0
@@ -211,7 +188,7 @@ def outer_band_of_limits(P, band):
     """The widest band of those of joints 1, 3, 5 and 7 that have limits."""
     most = 0.0
     for j in range(0, 7, 2):
-        if P[RANGE_KIND + j] != 0.0:
+        if P[at.RANGE_KIND + j] != 0.0:
             most = max(most, band[j])
     return most
 
@@ -225,20 +202,20 @@ def widest(band):
 @kernel
 def nearness(k, band):
     """How close to singular, rad, the spherical joint at block k may be for its band to tell something."""
-    return max(band[0], band[1]) if k == SHOULDER else max(band[6], band[5])
+    return max(band[0], band[1]) if k == at.SHOULDER else max(band[6], band[5])
 
 
 @kernel
 def is_oblique(P):
     """Whether neighbouring axes of shoulder or wrist are oblique."""
-    s, w = SHOULDER, WRIST
-    return max(abs(P[s + A1_A2]), abs(P[s + A2_A3]), abs(P[w + A1_A2]), abs(P[w + A2_A3])) > OBLIQUE
+    s, w = at.SHOULDER, at.WRIST
+    return max(abs(P[s + at.A1_A2]), abs(P[s + at.A2_A3]), abs(P[w + at.A1_A2]), abs(P[w + at.A2_A3])) > OBLIQUE
 
 
 @kernel
 def is_well_bent(P, place_):
     """Whether the elbow at a pose is neither almost straight nor folded, as far as the nearest exact limb tells."""
-    return place_[5] == 0.0 and 1.0 - abs(place_[2]) > WELL_CLEAR * P[COSINE_OFF]
+    return place_[5] == 0.0 and 1.0 - abs(place_[2]) > at.WELL_CLEAR * P[at.COSINE_OFF]
 
 
 @kernel
@@ -260,33 +237,33 @@ def may_predict_limits(P, place_, band):
 @kernel
 def widen(P, band, factor, box):
     """Copy a packed limb to `box`, its limits drawn out by a band times a factor; whether it has any room."""
-    copy(P, box, SIZE)
-    box[BAND] = factor * outer_band_of_limits(P, band)
+    copy(P, box, at.SIZE)
+    box[at.BAND] = factor * outer_band_of_limits(P, band)
     for j in range(1, 7, 2):
-        lower, upper = P[LOWER + j] - factor * band[j], P[UPPER + j] + factor * band[j]
+        lower, upper = P[at.LOWER + j] - factor * band[j], P[at.UPPER + j] + factor * band[j]
         if lower > upper:
             return False
         set_limit(box, j, lower, upper)
-    set_joint_limits(box, SHOULDER, 0)
-    set_joint_limits(box, WRIST, 4)
+    set_joint_limits(box, at.SHOULDER, 0)
+    set_joint_limits(box, at.WRIST, 4)
     return True
 
 
 @kernel
 def is_close_to_singular(P, k, circle, psi, band):
     """Whether axes 1 and 3 of a spherical joint are closer to parallel than the band at an arm angle."""
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + at.A1)
     cosine = dot(a1, circle[0]) + dot(a1, circle[1]) * math.cos(psi) + dot(a1, circle[2]) * math.sin(psi)
-    near = 0.25 * band * band * (2.0 - P[k + TOP_GAP] - P[k + BOTTOM_GAP])
-    return cosine > 1.0 - P[k + TOP_GAP] - near or cosine < P[k + BOTTOM_GAP] + near - 1.0
+    near = 0.25 * band * band * (2.0 - P[k + at.TOP_GAP] - P[k + at.BOTTOM_GAP])
+    return cosine > 1.0 - P[k + at.TOP_GAP] - near or cosine < P[k + at.BOTTOM_GAP] + near - 1.0
 
 
 @kernel
 def is_near_singularity(P, side, psi, band, factor):
     """Whether shoulder or wrist are so close to singular at an arm angle that a band times a factor tells nothing."""
-    shoulder, wrist = factor * nearness(SHOULDER, band), factor * nearness(WRIST, band)
-    at_shoulder = is_close_to_singular(P, SHOULDER, side[1][0], psi, shoulder)
-    return at_shoulder or is_close_to_singular(P, WRIST, side[2][0], psi, wrist)
+    shoulder, wrist = factor * nearness(at.SHOULDER, band), factor * nearness(at.WRIST, band)
+    at_shoulder = is_close_to_singular(P, at.SHOULDER, side[1][0], psi, shoulder)
+    return at_shoulder or is_close_to_singular(P, at.WRIST, side[2][0], psi, wrist)
 
 
 @kernel

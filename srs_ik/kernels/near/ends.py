@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
@@ -73,8 +74,7 @@ def put_end(ends, n, q, branch, at):
     """
     if n >= MAX_ENDS:
         return n
-    for j in range(7):
-        ends[n, j] = q[j]
+    store7(row(ends, n), 0, q)
     ends[n, END_PSI], ends[n, END_WAY], ends[n, END_FIRST], ends[n, END_LAST] = at
     ends[n, END_BRANCH] = branch
     return n + 1

@@ -53,16 +53,7 @@ def write_spans(spans, n_spans, out):
 
 @kernel
 def true_intervals(P, target, respect, out, J, A):
-    """Write (branch, lower, upper) of the feasible intervals of a near limb into the rows of out; return their number.
-
-    Args:
-        P: packed limb.
-        target: the pose.
-        respect: whether the joint limits have to be kept.
-        out: (n, 3) output.
-        J: (6, 7) work space.
-        A: (16, 9) work space.
-    """
+    """Write (branch, lower, upper) of a near limb's feasible intervals into the rows of out; return their number."""
     runs = np.empty((MAX_RUNS, RUN))
     by = Setting(target, elbow_side(P, target.place, 0), respect, J, A)
     rows, _, k, _ = near_runs(P, by, runs)

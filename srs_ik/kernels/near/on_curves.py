@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import ON_LINE, STEPS, close_at_angle, elbow_across, moved
@@ -155,8 +156,7 @@ def told_runs(P, by, samples, n_samples, runs, extent):
                 n = put_beside(P, by, outside, posture_beside(P, by, curve, changes[c], outside), branch, n, out)
             if n < room:
                 put_sample(out.rows, n, samples[i, 0], load_sample(samples[i]))
-                for column in range(TOLD):
-                    out.told[n, column] = told[i, column]
+                copy(row(told, i), row(out.told, n), TOLD)
                 n += 1
         runs[index, 4] = n
     return out
@@ -229,10 +229,7 @@ def passing(P, by, psi, a, b):
         off = difference(there, q)
         if met and dot7(off, off) < SAME_CURVE:
             return q, True
-    low = 0.0
-    high = 1.0
-    q = q_a
-    ahead = ahead_a
+    low, high, q, ahead = 0.0, 1.0, q_a, ahead_a
     for i in range(HALVINGS):
         share = low + (high - low) * (ahead_a / (ahead_a - ahead_b) if i % 3 != 2 else 0.5)
         q, met = between(P, by, q_a, q_b, share)
@@ -263,8 +260,7 @@ def keep_found(P, by, q, branch, goal, out):
     branch = branch if is_on_border(P, q, branch) else branch_of(P, q)
     q, value = cost_of_turn(P, q, goal)
     if value < out[branch, ROW_COST]:
-        for j in range(7):
-            out[branch, j] = q[j]
+        store7(row(out, branch), 0, q)
         out[branch, ROW_COST] = value
 
 

@@ -176,9 +176,7 @@ def is_decided(P, a, b):
     if not is_narrow(a, b):
         return False
     inside_a, inside_b = a[POINT_OFF] <= 0.0, b[POINT_OFF] <= 0.0
-    fastest = 0.0
-    least = -2.0 * PI
-    most = -2.0 * PI
+    fastest, least, most = 0.0, -2.0 * PI, -2.0 * PI
     for j in range(7):
         way = FASTER * max(abs(a[POINT_RATES + j]), abs(b[POINT_RATES + j])) * width
         both = beyond(P, j, turn_to_middle(P, j, a[j])) + beyond(P, j, turn_to_middle(P, j, b[j]))
@@ -309,9 +307,7 @@ def put_costs(P, rows):
 @kernel
 def cost_of(point):
     """Cost of a point, its rate with the arm angle, and the joint that makes it."""
-    highest = -1.0
-    rate = 0.0
-    active = -1
+    highest, rate, active = -1.0, 0.0, -1
     for joint in range(7):
         cost, slope = joint_figures(point, joint)
         if cost > highest:

@@ -110,9 +110,7 @@ def spread_points(found, points, gaps):
 
     The points are filled up to whole eights by copies.
     """
-    count = 0
-    left = 0
-    taken = 0
+    count, left, taken = 0, 0, 0
     for i in range(found.shape[0]):
         lower, upper = found[i, 1], found[i, 2]
         parts = max(math.ceil((upper - lower) / SPACING), 1)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, apart
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, store7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, norm
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
@@ -17,8 +17,8 @@ from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import elbow_side, target_of
 from srs_ik.kernels.path.followed import ON_LIMIT, posture_of, settled
 from srs_ik.kernels.path.pose_strips import roomy
 from srs_ik.kernels.path.steps import steps_between
@@ -42,8 +42,7 @@ def between_two(line, at, settings):
     before, i, behind = at
     start = read7(row(line.q, before))
     near = along7(start, (i - before) / (behind - before), steps_between(settings, start, row(line.q, behind)))
-    for j in range(7):
-        line.q[i, j] = near[j]
+    store7(row(line.q, i), 0, near)
     return near
 
 
@@ -57,14 +56,14 @@ def follow_on(family, course, line, at, settings, J, A):
     P = row(family, LIMITED)
     near = between_two(line, at, settings)
     reach = 0.5 * settings[7 * BY_CONTINUITY]
-    R, p, _ = read_pose(row(course.poses, i))
+    target = target_of(P, row(course.poses, i))
+    place_ = target.place
     if P[IS_NEAR] != 0.0:
-        here, error = close_free(P, near, R, p, True, 2 * STEPS, J, A)
+        here, error = close_free(P, near, target.R, target.p, True, 2 * STEPS, J, A)
         good = error < CLOSED and apart(here, near) < reach
         write_posture(line, i, here, 0.0, branch_of(P, here))
         course.bounds[i, 0], course.bounds[i, 1] = -math.inf, math.inf
         return good
-    place_ = place(P, R, p)
     angle = arm_angle(P, near, place_[0], place_[1])
     closest = reach
     for end in (before, behind):
@@ -83,8 +82,7 @@ def follow_on(family, course, line, at, settings, J, A):
 @kernel
 def write_posture(line, i, here, angle, number):
     """Write the posture of a pose."""
-    for j in range(7):
-        line.q[i, j] = here[j]
+    store7(row(line.q, i), 0, here)
     line.psi[i] = angle
     line.branch[i] = number
 
@@ -93,20 +91,17 @@ def write_posture(line, i, here, angle, number):
 def write_own_bounds(family, course, line, i):
     """Write the ends of the interval of the posture of a pose, if it has one."""
     if line.branch[i] >= 0:
-        R, p, _ = read_pose(row(course.poses, i))
-        place_ = place(row(family, LIMITED), R, p)
+        place_ = target_of(row(family, LIMITED), row(course.poses, i)).place
         write_bounds(family, place_, line.branch[i], line.psi[i], row(course.bounds, i))
 
 
 @kernel
 def write_bounds(family, place_, number, angle, bounds):
     """Write the ends of the interval around an arm angle."""
-    bounds[0] = -math.inf
-    bounds[1] = math.inf
+    bounds[0], bounds[1] = -math.inf, math.inf
     found = np.empty((8 * MAX_PIECES, 3))
     for k in range(find_intervals(roomy(family, place_), place_, number, found)):
         low, high = found[k, 1], found[k, 2]
         turns = TURN * math.floor((angle - low + ON_LIMIT) / TURN)
         if angle <= high + turns + ON_LIMIT and high - low < TURN - ON_LIMIT:
-            bounds[0] = low + turns
-            bounds[1] = high + turns
+            bounds[0], bounds[1] = low + turns, high + turns

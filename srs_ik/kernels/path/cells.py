@@ -17,23 +17,12 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A2,
-    A3,
-    BOTTOM_GAP,
-    LOWER,
-    RANGE_KIND,
-    SHOULDER,
-    TOP_GAP,
-    UPPER,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import A1, A2, A3, BOTTOM_GAP, LOWER, RANGE_KIND, SHOULDER, TOP_GAP, UPPER, WRIST
 from srs_ik.kernels.layout.path import CELL, CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.spherical import middle_angle
@@ -125,8 +114,7 @@ def stray(P, side, angles, branch, a, b):
     d = along_cell(a, b)
     width = (end - begin) / PARTS
     most, rest = 0.0, 0.0
-    before = a
-    good = True
+    before, good = a, True
     for part in range(1, PARTS + 1):
         psi = begin + part * width
         bend = bend_bound(P, SHOULDER, side[1][0], psi - width, psi)
@@ -143,10 +131,10 @@ def stray(P, side, angles, branch, a, b):
 
 
 @kernel
-def stray_near(P, spot, a, b, J, A):
+def stray_near(P, target, a, b, J, A):
     """The same of a piece of a curve of a near limb, as it is measured."""
     d = along_cell(a, b)
-    by = setting_of(P, spot, J, A)
+    by = setting_of(P, target, J, A)
     most = 0.0
     for part in range(1, PARTS):
         q, met = between(P, by, a, b, part / PARTS)
@@ -172,13 +160,10 @@ def turned(angle):
 @kernel
 def put_cell(cells, n, a, b, off, told):
     """Write a cell from posture a to b; `told` are its arm angles and its branch."""
-    for j in range(7):
-        cells[n, j] = a[j]
-        cells[n, 7 + j] = b[j] - a[j]
+    store7(row(cells, n), 0, a)
+    store7(row(cells, n), 7, along_cell(a, b))
     cells[n, CELL_OFF] = off
-    cells[n, CELL_FROM] = told[0]
-    cells[n, CELL_TO] = told[1]
-    cells[n, CELL_BRANCH] = told[2]
+    cells[n, CELL_FROM], cells[n, CELL_TO], cells[n, CELL_BRANCH] = told
 
 
 @kernel
@@ -214,8 +199,7 @@ def put_turns(P, cells, n, a, b, off, told):
             for i in range(first, last):
                 if n >= cells.shape[0]:
                     return n
-                for c in range(CELL):
-                    cells[n, c] = cells[i, c]
+                copy(row(cells, i), row(cells, n), CELL)
                 cells[n, j] += TURN * turn
                 n += 1
         if least > most:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest, store7
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import load3
@@ -14,27 +14,12 @@ from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
-from srs_ik.kernels.layout.path import (
-    IMPOSSIBLE,
-    NODE,
-    NODE_PSI,
-    SETTINGS,
-    SIDE,
-    SIDE_FOREARM,
-    SIDE_LINE,
-    STRIP,
-    TIP,
-    Course,
-    Posture,
-    Sheet,
-    Span,
-    Spot,
-    Stop,
-)
-from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.layout.path import Course, Posture, Sheet, Span, Stop
+from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.self_motion import rates
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import target_of
 from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled, write_sides
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
@@ -63,13 +48,6 @@ FARTHEST = 0.5
 
 
 @kernel
-def spot_of(P, T):
-    """What all configurations of a pose share."""
-    R, p, _ = read_pose(T)
-    return Spot(R, p, place(P, R, p))
-
-
-@kernel
 def put_inside(P, q):
     """A posture with joints that are beyond their limits by rounding put on them, and whether it is inside then.
 
@@ -84,7 +62,7 @@ def put_inside(P, q):
 def course_of(P, poses, chain, fixed, bounds, branch):
     """A course with the sides of its postures, or on a near limb with its poses as they are read."""
     is_near = P[IS_NEAR] != 0.0
-    course = Course(poses, chain, fixed, bounds, np.empty((poses.shape[0], TIP if is_near else SIDE)))
+    course = Course(poses, chain, fixed, bounds, np.empty((poses.shape[0], at.TIP if is_near else at.SIDE)))
     if not is_near:
         write_sides(P, course, branch)
         return course
@@ -109,8 +87,8 @@ def stop_of(course, i):
 def moving_rates(P, stop, here, J, A):
     """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
     if P[IS_NEAR] != 0.0:
-        return direction(P, setting_of(P, spot_of(P, stop.pose), J, A), here.q)
-    return rates(P, here.q, load3(stop.side, SIDE_LINE), load3(stop.side, SIDE_FOREARM))
+        return direction(P, setting_of(P, target_of(P, stop.pose), J, A), here.q)
+    return rates(P, here.q, load3(stop.side, at.SIDE_LINE), load3(stop.side, at.SIDE_FOREARM))
 
 
 @kernel
@@ -118,7 +96,7 @@ def moved_by(P, stop, here, motion, J, A):
     """The posture with its arm angle moved, on a near limb so far along its curve."""
     v, move = motion
     if P[IS_NEAR] != 0.0:
-        return moved_along(P, setting_of(P, spot_of(P, stop.pose), J, A), here.q, v, move)
+        return moved_along(P, setting_of(P, target_of(P, stop.pose), J, A), here.q, v, move)
     return posture_of(P, read_side(stop.side), here.psi + move, here.branch, here.q, True)
 
 
@@ -126,13 +104,7 @@ def moved_by(P, stop, here, motion, J, A):
 def beside(P, stop, here, motion, J, A):
     """The posture moved on, or half as far, or a quarter: posture, arm angle, whether there is one.
 
-    Args:
-        P: packed limb.
-        stop: its pose, and what is known of that.
-        here: the posture.
-        motion: the direction of its curve, how far it is to be moved, and the longest joint step.
-        J: (6, 7) work space.
-        A: (16, 9) work space.
+    `motion` is the direction of its curve, how far it is to be moved, and the longest joint step.
     """
     v, move, longest = motion
     for _ in range(SHORTENED):
@@ -172,12 +144,12 @@ def put_along_curve(P, stop, here, motion, sheet, n, space):
 
 
 @kernel
-def put_across(P, course, line, at, sheet, n, space):
+def put_across(P, course, line, asked, sheet, n, space):
     """Write the postures of a corridor at a pose, that of the path in the middle; the next free row.
 
-    `at` are the number of the pose and the joint step from one posture of the corridor to the next.
+    `asked` are the number of the pose and the joint step from one posture of the corridor to the next.
     """
-    i, width = at
+    i, width = asked
     here = posture_at(line, i)
     nodes = sheet.nodes
     if course.fixed[i]:
@@ -211,22 +183,18 @@ def put_across(P, course, line, at, sheet, n, space):
 def corridor(family, course, line, width, start, rules, space):
     """Move the postures of a path, in place, to the best way through the corridor around them.
 
-    Args:
-        family: packed limb.
-        course: the poses, and what is known of them.
-        line: the postures.
-        width: joint step from one posture of the corridor to the next, rad.
-        start: (k, 7) the posture before the first one, or none.
-        rules: what a step over one pose counts.
-        space: work space of a near limb.
+    `width` is the joint step from one posture of the corridor to the next, rad, `start` (k, 7) the posture before the
+    first one, or none; `rules` are those of a step over one pose.
     """
     P = row(family, LIMITED)
     chain = course.chain
     count = chain.shape[0]
     room = count * ACROSS
-    sheet = Sheet(np.empty((room, NODE)), np.ones(room, np.bool_), np.full(room, IMPOSSIBLE), np.empty((count, STRIP)))
+    sheet = Sheet(
+        np.empty((room, at.NODE)), np.ones(room, np.bool_), np.full(room, at.IMPOSSIBLE), np.empty((count, at.STRIP))
+    )
     ends = np.zeros(count + 1, np.int64)
-    scales = np.empty(7 * SETTINGS)
+    scales = np.empty(7 * at.SETTINGS)
     scaled = copied(rules.settings, row(scales, 0))
     for c in range(count):
         i = chain[c]
@@ -241,12 +209,12 @@ def corridor(family, course, line, width, start, rules, space):
     for c in range(count - 1, -1, -1):
         i = chain[c]
         if c == count - 1:
-            at = float(cheapest(sheet.cost, ends[c], ends[c + 1]))
+            best = float(cheapest(sheet.cost, ends[c], ends[c + 1]))
         else:
             stepped = rules_for(rules.settings, scaled, chain[c + 1] - i, rules.limited)
-            _, at = step_back(row(line.q, chain[c + 1]), sheet, Span(ends[c], ends[c + 1], c, c + 1), stepped)
+            _, best = step_back(row(line.q, chain[c + 1]), sheet, Span(ends[c], ends[c + 1], c, c + 1), stepped)
         if not course.fixed[i]:
-            settle_on(P, course, line, i, sheet.nodes, at, space)
+            settle_on(P, course, line, i, sheet.nodes, best, space)
     keep(scales)
 
 
@@ -254,32 +222,32 @@ def corridor(family, course, line, width, start, rules, space):
 def on_pose(P, stop, here, J, A):
     """The posture at an arm angle next to one that almost meets its pose, on a near limb the nearest one."""
     if P[IS_NEAR] != 0.0:
-        spot = spot_of(P, stop.pose)
-        v, good = direction(P, setting_of(P, spot, J, A), here.q)
+        target = target_of(P, stop.pose)
+        v, good = direction(P, setting_of(P, target, J, A), here.q)
         if good:
-            q, good = moved_along(P, setting_of(P, spot, J, A), here.q, v, 0.0)
+            q, good = moved_along(P, setting_of(P, target, J, A), here.q, v, 0.0)
             _, inside = put_inside(P, q)
             if good and inside:
                 return q, True
-        q, error = close_free(P, here.q, spot.R, spot.p, True, 2 * STEPS, J, A)
+        q, error = close_free(P, here.q, target.R, target.p, True, 2 * STEPS, J, A)
         return q, error < CLOSED
     return posture_of(P, read_side(stop.side), here.psi, here.branch, here.q, True)
 
 
 @kernel
-def settle_on(P, course, line, i, nodes, at, space):
+def settle_on(P, course, line, i, nodes, best, space):
     """Take the posture at a place between two of a corridor, or the nearer one of them."""
-    k = math.floor(at)
-    t = at - k
+    k = math.floor(best)
+    t = best - k
     following = k + 1 if t > 0.0 else k
     nearer = read7(row(nodes, k if t < 0.5 else following))
-    angle = nodes[k if t < 0.5 else following, NODE_PSI]
+    angle = nodes[k if t < 0.5 else following, at.NODE_PSI]
     if t > 0.0:
         a, b = read7(row(nodes, k)), read7(row(nodes, following))
         between = along7(a, t, along_cell(a, b))
-        there = nodes[k, NODE_PSI] + t * (nodes[following, NODE_PSI] - nodes[k, NODE_PSI])
+        there = nodes[k, at.NODE_PSI] + t * (nodes[following, at.NODE_PSI] - nodes[k, at.NODE_PSI])
         _, is_singular = split_of(P, between)
-        if is_singular and nodes[k, NODE_PSI] == nodes[following, NODE_PSI]:
+        if is_singular and nodes[k, at.NODE_PSI] == nodes[following, at.NODE_PSI]:
             nearer = between
         else:
             wanted = Posture(between, there, line.branch[i])
@@ -288,8 +256,7 @@ def settle_on(P, course, line, i, nodes, at, space):
             if good and inside and apart(found, between) < apart(a, b) + 0.1:
                 nearer, angle = found, there
     line.psi[i] = angle
-    for j in range(7):
-        line.q[i, j] = nearer[j]
+    store7(row(line.q, i), 0, nearer)
 
 
 @kernel
@@ -308,6 +275,5 @@ def put_on_poses(family, course, line, space):
         good = good and inside and apart(found, here.q) < FARTHEST
         all_good = all_good and good
         if good:
-            for j in range(7):
-                line.q[i, j] = found[j]
+            store7(row(line.q, i), 0, found)
     return all_good

@@ -11,30 +11,11 @@ from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
-from srs_ik.kernels.layout.path import (
-    CELL_BRANCH,
-    CELL_FROM,
-    CELL_OFF,
-    CELL_TO,
-    CURVE,
-    NODE_PSI,
-    POINT,
-    Around,
-)
+from srs_ik.kernels.layout.path import CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO, CURVE, NODE_PSI, POINT, Around
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.path.cells import (
-    FREE,
-    SLACK,
-    may_be_inside,
-    put_cell,
-    put_turns,
-    short,
-    stray,
-    stray_near,
-)
-from srs_ik.kernels.path.corridor import spot_of
+from srs_ik.kernels.limb.triangle import elbow_side, target_of
+from srs_ik.kernels.path.cells import FREE, SLACK, may_be_inside, put_cell, put_turns, short, stray, stray_near
 from srs_ik.kernels.path.followed import along_cell, posture_of
 from srs_ik.kernels.path.near_strips import setting_of
 from srs_ik.kernels.path.pose_strips import pose_strips, roomy
@@ -65,14 +46,14 @@ def length_of(d):
 def cover_pose(family, T, net, n, J, A):
     """Write cells that hold all postures of a pose from row n on; the next free row."""
     P = row(family, LIMITED)
-    spot = spot_of(P, T)
+    target = target_of(P, T)
     if P[IS_NEAR] != 0.0:
-        return cover_curves(family, T, spot, net, n, J, A)
-    if not abs(spot.place[5]) < SOLVED:
+        return cover_curves(family, T, target, net, n, J, A)
+    if not abs(target.place[5]) < SOLVED:
         return n
-    sides = (elbow_side(P, spot.place, 0), elbow_side(P, spot.place, 1))
+    sides = (elbow_side(P, target.place, 0), elbow_side(P, target.place, 1))
     found = net.desk.found
-    for i in range(find_intervals(roomy(family, spot.place), spot.place, -1, found)):
+    for i in range(find_intervals(roomy(family, target.place), target.place, -1, found)):
         branch = int(found[i, 0])
         n = cover_interval(P, sides[branch >> 2], branch, (found[i, 1], found[i, 2]), net, n)
     return n
@@ -133,7 +114,7 @@ def cover_piece(P, side, branch, piece, net, n):
 
 
 @kernel
-def cover_curves(family, T, spot, net, n, J, A):
+def cover_curves(family, T, target, net, n, J, A):
     """Write the cells of a near limb's curves, between the postures of its strips; the next free row."""
     P = row(family, LIMITED)
     nodes, linked = net.sheet.nodes, net.sheet.linked
@@ -143,7 +124,7 @@ def cover_curves(family, T, spot, net, n, J, A):
             break
         a = read7(row(nodes, i))
         if linked[i] and i + 1 < last:
-            n = cover_curve(P, spot, (a, read7(row(nodes, i + 1))), net, n, J, A)
+            n = cover_curve(P, target, (a, read7(row(nodes, i + 1))), net, n, J, A)
         elif i == 0 or not linked[i - 1]:
             put_cell(net.cells, n, a, a, SLACK, (0.0, 0.0, float(POINT)))
             n += 1
@@ -151,12 +132,12 @@ def cover_curves(family, T, spot, net, n, J, A):
 
 
 @kernel
-def cover_curve(P, spot, ends, net, n, J, A):
+def cover_curve(P, target, ends, net, n, J, A):
     """Write the cells of a piece of a near limb's curve between two postures; the next free row."""
     a, b = ends
     d = along_cell(a, b)
     count = math.ceil(length_of(d) / net.longest)
-    by = setting_of(P, spot, J, A)
+    by = setting_of(P, target, J, A)
     q = a
     for part in range(1, count + 1):
         wanted = b
@@ -165,14 +146,14 @@ def cover_curve(P, spot, ends, net, n, J, A):
             wanted = along7(q, 1.0, short(q, inner)) if met else along7(a, part / count, d)
         if n >= net.cells.shape[0]:
             break
-        put_cell(net.cells, n, q, wanted, stray_near(P, spot, q, wanted, J, A), (0.0, 0.0, float(CURVE)))
+        put_cell(net.cells, n, q, wanted, stray_near(P, target, q, wanted, J, A), (0.0, 0.0, float(CURVE)))
         n += 1
         q = wanted
     return n
 
 
 @kernel
-def cut_cell(family, spot, cell, net, n, J, A):
+def cut_cell(family, target, cell, net, n, J, A):
     """Write finer cells in the place of one (a row), or the same; the next free row."""
     P = row(family, LIMITED)
     branch = int(cell[CELL_BRANCH])
@@ -180,7 +161,7 @@ def cut_cell(family, spot, cell, net, n, J, A):
     b = along7(a, 1.0, (cell[7], cell[8], cell[9], cell[10], cell[11], cell[12], cell[13]))
     is_small = length_of(along_cell(a, b)) <= net.longest and cell[CELL_OFF] <= OFF_SHARE * net.longest
     if P[IS_NEAR] != 0.0 and branch == CURVE and not is_small:
-        return cover_curve(P, spot, (a, b), net, n, J, A)
+        return cover_curve(P, target, (a, b), net, n, J, A)
     if (
         branch < 0
         or is_small
@@ -189,6 +170,6 @@ def cut_cell(family, spot, cell, net, n, J, A):
     ):
         put_cell(net.cells, n, a, b, cell[CELL_OFF], (cell[CELL_FROM], cell[CELL_TO], float(branch)))
         return n + 1
-    side = elbow_side(P, spot.place, branch >> 2)
+    side = elbow_side(P, target.place, branch >> 2)
     n, _ = cover_piece(P, side, branch, (cell[CELL_FROM], cell[CELL_TO], a), net, n)
     return n

@@ -77,8 +77,7 @@ def bound_of(aim, steps, first, last):
     mu = aim.weight
     t = mu + math.sqrt(mu * mu + most * most)
     for _ in range(TIMES):
-        slope = 0.0
-        bend = 0.0
+        slope, bend = 0.0, 0.0
         for c in range(first, last):
             if is_left_out(aim, c):
                 continue

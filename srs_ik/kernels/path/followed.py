@@ -17,10 +17,9 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.layout.path import SIDE, SIDE_ELBOW, SIDE_FOREARM, SIDE_LINE, SIDE_SHOULDER, SIDE_WRIST
 from srs_ik.kernels.limb.limits import PER_TURN, TURN, turn_to_middle
-from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.self_motion import turned_rates
 from srs_ik.kernels.limb.spherical import angles, eight_middles, middle_angle, sines
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.triangle import elbow_side, target_of
 from srs_ik.kernels.pose.moved import gather3
 
 ON_LIMIT = 3e-7
@@ -115,8 +114,7 @@ def read_circles(side, k):
 @kernel
 def write_side(P, T, branch, out):
     """Write what the postures of a branch of a pose share, (SIDE,)."""
-    R, p, _ = read_pose(T)
-    place_ = place(P, R, p)
+    place_ = target_of(P, T).place
     angle, shoulder, wrist, from_forearm = elbow_side(P, place_, branch >> 2)
     out[SIDE_ELBOW] = angle
     store3(out, SIDE_LINE, place_[0])

@@ -15,7 +15,7 @@ from srs_ik.kernels.curves.follow import between, correct, tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Setting, Target
+from srs_ik.kernels.layout.asked import Setting
 from srs_ik.kernels.layout.path import NODE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import branch_of
@@ -29,9 +29,9 @@ MOST_PARTS = 16
 
 
 @kernel
-def setting_of(P, spot, J, A):
+def setting_of(P, target, J, A):
     """The setting in which the curves of a pose are followed, within the limits."""
-    return Setting(Target(spot.R, spot.p, spot.place), elbow_side(P, spot.place, 0), True, J, A)
+    return Setting(target, elbow_side(P, target.place, 0), True, J, A)
 
 
 @kernel
@@ -61,10 +61,10 @@ def put_next(P, q, sheet, n, follows):
 
 
 @kernel
-def take_runs(P, spot, sheet, n, J, A):
+def take_runs(P, target, sheet, n, J, A):
     """Write the postures of all curves from row n on; the next free row."""
     runs = np.empty((MAX_RUNS, RUN))
-    by = setting_of(P, spot, J, A)
+    by = setting_of(P, target, J, A)
     rows, _, count, _ = near_runs(P, by, runs)
     for k in range(count):
         q = NO_SEED
@@ -83,14 +83,14 @@ def take_runs(P, spot, sheet, n, J, A):
 
 
 @kernel
-def take_line(P, spot, around, sheet, n, J, A):
+def take_line(P, target, around, sheet, n, J, A):
     """Write the postures of the curve through the one that is nearest to `around`, about it; the next free row."""
-    middle, error = close_free(P, around.q, spot.R, spot.p, True, 2 * STEPS, J, A)
+    middle, error = close_free(P, around.q, target.R, target.p, True, 2 * STEPS, J, A)
     if not error < CLOSED:
         return n
     first = n
     count = math.ceil(around.radius / around.spacing)
-    by = setting_of(P, spot, J, A)
+    by = setting_of(P, target, J, A)
     n = walk(P, by, (middle, -around.spacing, count), sheet, n)
     for i in range((n - first) // 2):
         for j in range(NODE):

@@ -5,28 +5,18 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, short_way
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, IS_NEAR, LIMITED, LOWER, PHASE, SHOULDER, TOP_GAP, UPPER, WRIST
-from srs_ik.kernels.layout.path import (
-    NODE,
-    NODE_BRANCH,
-    NODE_PSI,
-    ROOMIEST,
-    ROOMY,
-    STRIP_FIRST,
-    STRIP_LAST,
-    STRIP_LEAST,
-    Spot,
-)
 from srs_ik.kernels.limb.in_line import closest, may_split
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import elbow_side, target_of
 from srs_ik.kernels.path.followed import along_cell, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
 from srs_ik.kernels.path.splits import SPLIT, put_splits
@@ -49,14 +39,14 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
     Loose tolerances find also the arm angles that two joints on their limits leave alone.
     """
     P = row(family, LIMITED)
-    R, p, _ = read_pose(T)
-    place_ = place(P, R, p)
+    target = target_of(P, T)
+    place_ = target.place
     if P[IS_NEAR] != 0.0:
         first = n
         if around.radius > 0.0:
-            n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
+            n = take_line(P, target, around, sheet, n, J, A)
         else:
-            n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
+            n = take_runs(P, target, sheet, n, J, A)
         return within_limits(P, sheet, first, n, desk)
     if not abs(place_[5]) < SOLVED:
         return n
@@ -67,7 +57,7 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
 @kernel
 def roomy(family, place_):
     """The limb with limits drawn out by what rounding does to a pose: two joints on limits leave no room else."""
-    return row(family, ROOMIEST if is_as_good_as_flat(place_) else ROOMY)
+    return row(family, at.ROOMIEST if is_as_good_as_flat(place_) else at.ROOMY)
 
 
 @kernel
@@ -76,9 +66,7 @@ def allowed_intervals(family, place_, desk):
     if desk.given[0] < 0:
         return find_intervals(roomy(family, place_), place_, -1, desk.found)
     count = min(desk.given[1] - desk.given[0], desk.found.shape[0])
-    for i in range(count):
-        for k in range(3):
-            desk.found[i, k] = desk.allowed[desk.given[0] + i, k]
+    copy(row(desk.allowed, desk.given[0]), row(desk.found, 0), 3 * count)
     return count
 
 
@@ -186,7 +174,7 @@ def keep_inside(P, nodes, linked, first, last):
             if n > first:
                 linked[n - 1] = False
             continue
-        put_node(nodes, n, q, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
+        put_node(nodes, n, q, nodes[i, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
         linked[n] = linked[i]
         n += 1
     return n
@@ -195,8 +183,7 @@ def keep_inside(P, nodes, linked, first, last):
 @kernel
 def turns_inside(P, joint, nodes, n0, n1):
     """First and last whole turn by which a joint of a run of postures may be turned to be inside its limits."""
-    least = nodes[n0, joint]
-    most = least
+    least, most = nodes[n0, joint], nodes[n0, joint]
     for i in range(n0 + 1, n1):
         least = min(least, nodes[i, joint])
         most = max(most, nodes[i, joint])
@@ -227,8 +214,8 @@ def put_end(P, inner, outer, sheet, n, follows):
     if n >= nodes.shape[0] or t == 0.0:
         return n
     q, _ = settled(P, along7(a, t, along_cell(a, b)), ROUNDING)
-    put_node(nodes, n, q, nodes[inner, NODE_PSI] + t * (nodes[outer, NODE_PSI] - nodes[inner, NODE_PSI]), 0.0)
-    nodes[n, NODE_BRANCH] = nodes[inner, NODE_BRANCH]
+    put_node(nodes, n, q, nodes[inner, at.NODE_PSI] + t * (nodes[outer, at.NODE_PSI] - nodes[inner, at.NODE_PSI]), 0.0)
+    nodes[n, at.NODE_BRANCH] = nodes[inner, at.NODE_BRANCH]
     sheet.linked[n] = False
     if follows:
         sheet.linked[n - 1] = True
@@ -250,14 +237,9 @@ def put_turned(P, sheet, first, last, turns, n):
         follows = i > first and linked[i - 1]
         if follows and inside != before and n < room:
             # Rows behind those in use hold the pair as it is turned.
-            put_node(
-                nodes,
-                room,
-                along7(read7(row(nodes, i - 1)), TURN, turns),
-                nodes[i - 1, NODE_PSI],
-                nodes[i, NODE_BRANCH],
-            )
-            put_node(nodes, room + 1, turned, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
+            other = along7(read7(row(nodes, i - 1)), TURN, turns)
+            put_node(nodes, room, other, nodes[i - 1, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
+            put_node(nodes, room + 1, turned, nodes[i, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
             n0 = n
             if inside:
                 n = put_end(P, room + 1, room, sheet, n, False)
@@ -265,7 +247,7 @@ def put_turned(P, sheet, first, last, turns, n):
             else:
                 n = put_end(P, room, room + 1, sheet, n, True)
         if inside and n < room:
-            put_node(nodes, n, q, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
+            put_node(nodes, n, q, nodes[i, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
             linked[n] = False
             if before and follows:
                 linked[n - 1] = True
@@ -298,9 +280,8 @@ def turn_strips(P, sheet, first, last, turns):
             turns[0, joint] = turns[1, joint] + rest % count
             rest //= count
         n = put_turned(P, sheet, first, last, row(turns, 0), n)
+    copy(row(nodes, last), row(nodes, first), at.NODE * (n - last))
     for i in range(last, n):
-        for j in range(NODE):
-            nodes[first + i - last, j] = nodes[i, j]
         linked[first + i - last] = linked[i]
     return first + n - last
 
@@ -315,16 +296,12 @@ def list_strips(sheet, first, last, count):
             continue
         if count < strips.shape[0]:
             for j in range(7):
-                least = nodes[start, j]
-                most = least
+                least, most = nodes[start, j], nodes[start, j]
                 for k in range(start + 1, i + 1):
                     least = min(least, nodes[k, j])
                     most = max(most, nodes[k, j])
-                strips[count, j] = least
-                strips[count, 7 + j] = most
-            strips[count, STRIP_FIRST] = start
-            strips[count, STRIP_LAST] = i
-            strips[count, STRIP_LEAST] = 0.0
+                strips[count, j], strips[count, 7 + j] = least, most
+            strips[count, at.STRIP_FIRST], strips[count, at.STRIP_LAST], strips[count, at.STRIP_LEAST] = start, i, 0.0
             count += 1
         start = i + 1
     return count

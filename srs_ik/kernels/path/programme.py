@@ -18,23 +18,8 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import highest, postures_of, rows_of
 from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.path import (
-    BREAK,
-    BY_CONTINUITY,
-    BY_VELOCITY,
-    IMPOSSIBLE,
-    INVERSE_SPEED,
-    LEAST_INVERSE,
-    NODE,
-    NODE_BRANCH,
-    NODE_SAG,
-    STRIP,
-    STRIP_FIRST,
-    STRIP_LAST,
-    STRIP_LEAST,
-    TOO_FAST,
-    Pages,
-)
+from srs_ik.kernels.layout import path as at
+from srs_ik.kernels.layout.path import Pages
 from srs_ik.kernels.path.followed import along_cell
 from srs_ik.kernels.path.steps import (
     are_short,
@@ -55,10 +40,10 @@ ROUNDING = 1e-9
 @kernel
 def cheaper_part(va, vb):
     """From where to where on the way between two postures paths may lead, and what they cost at both."""
-    if vb > va + 0.5 * TOO_FAST:
+    if vb > va + 0.5 * at.TOO_FAST:
         # Only one end belongs to the better ways.
         return 0.0, 0.0, va, va
-    if va > vb + 0.5 * TOO_FAST:
+    if va > vb + 0.5 * at.TOO_FAST:
         return 1.0, 1.0, vb, vb
     return 0.0, 1.0, va, vb
 
@@ -71,22 +56,22 @@ def try_cell(e, d, ends, rules, found, place):
     """
     settings = rules.settings
     t0, t1, va, vb = cheaper_part(ends[0], ends[1])
-    if largest(e) + largest(d) > settings[7 * BY_CONTINUITY]:
-        t0, t1 = kept(e, d, t0, t1, settings, BY_CONTINUITY)
+    if largest(e) + largest(d) > settings[7 * at.BY_CONTINUITY]:
+        t0, t1 = kept(e, d, t0, t1, settings, at.BY_CONTINUITY)
     if t0 > t1:
         return found
     extra = 0.0
     if rules.limited:
-        slow0, slow1 = kept(e, d, t0, t1, settings, BY_VELOCITY)
+        slow0, slow1 = kept(e, d, t0, t1, settings, at.BY_VELOCITY)
         if slow0 <= slow1:
             t0, t1 = slow0, slow1
         else:
-            extra = TOO_FAST
+            extra = at.TOO_FAST
     value, t = step_cost(e, d, (va, vb, ends[2]), t0, t1, rules)
     if extra > 0.0:
         over = 0.0
         for j in range(7):
-            over = max(over, abs(e[j] - t * d[j]) / settings[7 * BY_VELOCITY + j])
+            over = max(over, abs(e[j] - t * d[j]) / settings[7 * at.BY_VELOCITY + j])
         value += extra * over
     return (value, place + t) if value < found[0] else found
 
@@ -94,17 +79,17 @@ def try_cell(e, d, ends, rules, found, place):
 @kernel
 def reach_of(strip, rules, least):
     """Square of how far postures may be for a step from a strip to be continuous, and cheaper than what is known."""
-    longest = rules.settings[7 * BY_CONTINUITY]
-    room = max(least - strip[STRIP_LEAST], 0.0)
-    if rules.settings[7 * INVERSE_SPEED] != 0.0:
-        return min(longest, room / rules.settings[7 * LEAST_INVERSE]) ** 2
+    longest = rules.settings[7 * at.BY_CONTINUITY]
+    room = max(least - strip[at.STRIP_LEAST], 0.0)
+    if rules.settings[7 * at.INVERSE_SPEED] != 0.0:
+        return min(longest, room / rules.settings[7 * at.LEAST_INVERSE]) ** 2
     return min(room / rules.share, 7.0 * longest * longest)
 
 
 @kernel
 def is_beyond(low, high, strip, most, settings):
     """Whether what is between joint angles low and high is farther, squared, than that from all postures of a strip."""
-    together = settings[7 * INVERSE_SPEED] == 0.0
+    together = settings[7 * at.INVERSE_SPEED] == 0.0
     total = 0.0
     for k in range(7):
         j = (3, 1, 5, 0, 2, 4, 6)[k]
@@ -112,7 +97,7 @@ def is_beyond(low, high, strip, most, settings):
         off -= 0.5 * ((strip[7 + j] - strip[j]) + (high[j] - low[j]))
         if off > 0.0:
             total = total + off * off if together else max(total, off * off)
-            if total > most or off > settings[7 * BY_CONTINUITY]:
+            if total > most or off > settings[7 * at.BY_CONTINUITY]:
                 return True
     return False
 
@@ -121,9 +106,9 @@ def is_beyond(low, high, strip, most, settings):
 def cell_of(pages, i, last):
     """From row i of a strip to the next: joint angles, steps, and the costs of both and how far they sag between."""
     following = min(i + 1, last)
-    a = row(pages.nodes, i * NODE)
-    sag = a[NODE_SAG] if following > i else 0.0
-    return a, along_cell(a, row(pages.nodes, following * NODE)), (pages.cost[i], pages.cost[following], sag)
+    a = row(pages.nodes, i * at.NODE)
+    sag = a[at.NODE_SAG] if following > i else 0.0
+    return a, along_cell(a, row(pages.nodes, following * at.NODE)), (pages.cost[i], pages.cost[following], sag)
 
 
 @kernel
@@ -135,9 +120,9 @@ def lowest(ends):
 @kernel
 def try_strip(q, pages, strip, rules, found):
     """The cheapest way to a posture q from a strip of the pose before, if better: cost, and place (row and part)."""
-    box = row(pages.strips, strip * STRIP)
-    first, last = int(box[STRIP_FIRST]), int(box[STRIP_LAST])
-    if box[STRIP_LEAST] < found[0] and not is_beyond(q, q, box, reach_of(box, rules, found[0]), rules.settings):
+    box = row(pages.strips, strip * at.STRIP)
+    first, last = int(box[at.STRIP_FIRST]), int(box[at.STRIP_LAST])
+    if box[at.STRIP_LEAST] < found[0] and not is_beyond(q, q, box, reach_of(box, rules, found[0]), rules.settings):
         for i in range(first, max(last, first + 1)):
             a, d, ends = cell_of(pages, i, last)
             if lowest(ends) < found[0]:
@@ -155,12 +140,12 @@ def try_eight(q, pages, i, last, rules, found):
     a, d, ends = cell_of(pages, i, last)
     e = eight_steps(rules.settings, a, q)
     t0, t1, va, vb = cheaper_part(ends[0], ends[1])
-    longest = rules.settings[7 * BY_CONTINUITY]
+    longest = rules.settings[7 * at.BY_CONTINUITY]
     value, t = least_of_eight(e, d, (va, vb, ends[2]), t0, t1, rules)
     better = as_bits(value < best)
     if not better:
         return found
-    if rules.settings[7 * INVERSE_SPEED] == 0.0:
+    if rules.settings[7 * at.INVERSE_SPEED] == 0.0:
         good = value < best
         # Squares of steps are at least those of the longest joint's.
         if rules.limited or as_bits(good & (value > lowest(ends) + rules.share * longest * longest)):
@@ -171,8 +156,8 @@ def try_eight(q, pages, i, last, rules, found):
         better &= as_bits(are_short(along7(e, -0.5, d), rules.settings, False, 0.5 * largest(d) + ROUNDING))
     for k in range(LANES):
         if better >> k & 1:
-            cost, at = try_cell(one_of_seven(e, k), d, ends, rules, (one_of(best, k), one_of(place, k)), float(i))
-            best, place = where(as_mask(1 << k), cost, best), where(as_mask(1 << k), at, place)
+            cost, there = try_cell(one_of_seven(e, k), d, ends, rules, (one_of(best, k), one_of(place, k)), float(i))
+            best, place = where(as_mask(1 << k), cost, best), where(as_mask(1 << k), there, place)
     return best, place
 
 
@@ -186,9 +171,9 @@ def pages_of(sheet):
 def leap(q, sheet, first, last, settings, found):
     """A break on the way to a posture q: from anywhere among rows first to last - 1, the nearest one if they cost."""
     for i in range(first, last):
-        if sheet.cost[i] + BREAK < found[0]:
+        if sheet.cost[i] + at.BREAK < found[0]:
             e = steps_between(settings, row(sheet.nodes, i), q)
-            value = sheet.cost[i] + BREAK + step_value(settings, e, 1.0)
+            value = sheet.cost[i] + at.BREAK + step_value(settings, e, 1.0)
             if value < found[0]:
                 found = (value, float(i))
     return found
@@ -198,7 +183,7 @@ def leap(q, sheet, first, last, settings, found):
 def unbounded(cost, span):
     """Write that the ways to the postures of a pose may cost what they want."""
     for i in range(span.first, span.last):
-        cost[i] = IMPOSSIBLE
+        cost[i] = at.IMPOSSIBLE
 
 
 @kernel
@@ -217,13 +202,13 @@ def first_costs(sheet, span, start, settings):
     nodes, cost = sheet.nodes, sheet.cost
     for i in range(span.first, span.last):
         cost[i] = 0.0
-        nodes[i, NODE_SAG] = 0.0
+        nodes[i, at.NODE_SAG] = 0.0
         if start.shape[0] > 0:
-            if i + 1 < span.last and settings[7 * INVERSE_SPEED] == 0.0:
+            if i + 1 < span.last and settings[7 * at.INVERSE_SPEED] == 0.0:
                 d = along_cell(row(nodes, i), row(nodes, i + 1))
-                nodes[i, NODE_SAG] = product(d, d)
+                nodes[i, at.NODE_SAG] = product(d, d)
             e = steps_between(settings, row(start, 0), row(nodes, i))
-            cost[i] = step_value(settings, e, 1.0) + (BREAK if largest(e) > settings[7 * BY_CONTINUITY] else 0.0)
+            cost[i] = step_value(settings, e, 1.0) + (at.BREAK if largest(e) > settings[7 * at.BY_CONTINUITY] else 0.0)
     write_least(sheet, span)
 
 
@@ -245,37 +230,37 @@ def write_sags(sheet, places, span, rules):
     """
     nodes, cost, strips, settings = sheet.nodes, sheet.cost, sheet.strips, rules.settings
     for b in range(span.first_strip, span.last_strip):
-        first, last = int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST])
+        first, last = int(strips[b, at.STRIP_FIRST]), int(strips[b, at.STRIP_LAST])
         for i in range(first, last + 1):
-            nodes[i, NODE_SAG] = 0.0
-        if settings[7 * INVERSE_SPEED] != 0.0:
+            nodes[i, at.NODE_SAG] = 0.0
+        if settings[7 * at.INVERSE_SPEED] != 0.0:
             continue
         for i in range(first, last):
-            at, following = places[i - span.first], places[i + 1 - span.first]
-            if at < 0.0 or following < 0.0 or abs(cost[i + 1] - cost[i]) > 0.5 * TOO_FAST:
+            here, following = places[i - span.first], places[i + 1 - span.first]
+            if here < 0.0 or following < 0.0 or abs(cost[i + 1] - cost[i]) > 0.5 * at.TOO_FAST:
                 continue
             d = along_cell(row(nodes, i), row(nodes, i + 1))
             turn = product(origin_step(nodes, settings, i + 1, following), d)
-            turn -= product(origin_step(nodes, settings, i, at), d)
-            nodes[i, NODE_SAG] = rules.share * min(max(turn, 0.0), product(d, d))
+            turn -= product(origin_step(nodes, settings, i, here), d)
+            nodes[i, at.NODE_SAG] = rules.share * min(max(turn, 0.0), product(d, d))
 
 
 @kernel
 def write_least(sheet, span):
     """What no posture of each strip costs less than."""
     for b in range(span.first_strip, span.last_strip):
-        least = IMPOSSIBLE
-        for i in range(int(sheet.strips[b, STRIP_FIRST]), int(sheet.strips[b, STRIP_LAST]) + 1):
-            least = min(least, sheet.cost[i] - 0.25 * sheet.nodes[i, NODE_SAG])
-        sheet.strips[b, STRIP_LEAST] = least
+        least = at.IMPOSSIBLE
+        for i in range(int(sheet.strips[b, at.STRIP_FIRST]), int(sheet.strips[b, at.STRIP_LAST]) + 1):
+            least = min(least, sheet.cost[i] - 0.25 * sheet.nodes[i, at.NODE_SAG])
+        sheet.strips[b, at.STRIP_LEAST] = least
 
 
 @kernel
 def is_beyond_room(sheet, i, span, rooms):
     """Whether ways through a posture of a pose, or next to it in its strip, cost more than they may."""
-    sag = sheet.nodes[i, NODE_SAG]
+    sag = sheet.nodes[i, at.NODE_SAG]
     if i > span.first and sheet.linked[i - 1]:
-        sag = max(sag, sheet.nodes[i - 1, NODE_SAG])
+        sag = max(sag, sheet.nodes[i - 1, at.NODE_SAG])
     return sheet.cost[i] - 0.25 * sag > rooms[i]
 
 
@@ -288,7 +273,7 @@ def leave_out(sheet, span, rooms):
         alone = before or not sheet.linked[i - 1]
         following = i + 1 < span.last and sheet.linked[i]
         if beyond and alone and not (following and not is_beyond_room(sheet, i + 1, span, rooms)):
-            sheet.cost[i] = IMPOSSIBLE
+            sheet.cost[i] = at.IMPOSSIBLE
         before = beyond
     write_least(sheet, span)
 
@@ -300,15 +285,15 @@ def try_all(pages, before, own, first, last, places, rules, most):
     Those of the same branch are the likely ones: they come first, and others are left out by what these cost.
     """
     nodes, strips, cost = pages.nodes, pages.strips, pages.cost
-    q = postures_of(nodes, first, last, NODE)
+    q = postures_of(nodes, first, last, at.NODE)
     best, place = rows_of(cost, first, last, 1), 0.0 * q[0] - 1.0
     dearest = min(most, highest(best))
-    branch = nodes[first * NODE + NODE_BRANCH]
+    branch = nodes[first * at.NODE + at.NODE_BRANCH]
     for turn in range(2):
         for a in range(before.first_strip, before.last_strip):
-            box = row(strips, a * STRIP)
-            begin, end = int(box[STRIP_FIRST]), int(box[STRIP_LAST])
-            if (nodes[begin * NODE + NODE_BRANCH] == branch) == (turn == 0) and box[STRIP_LEAST] < dearest:
+            box = row(strips, a * at.STRIP)
+            begin, end = int(box[at.STRIP_FIRST]), int(box[at.STRIP_LAST])
+            if (nodes[begin * at.NODE + at.NODE_BRANCH] == branch) == (turn == 0) and box[at.STRIP_LEAST] < dearest:
                 if not is_beyond(own, row(own, 7), box, reach_of(box, rules, dearest), rules.settings):
                     for i in range(begin, max(end, begin + 1)):
                         best, place = try_eight(q, pages, i, end, rules, (best, place))
@@ -325,16 +310,16 @@ def try_beside(pages, before, now, places, rules):
     """
     cost, strips = pages.cost, pages.strips
     for b in range(now.first_strip, now.last_strip):
-        first, last = int(strips[b * STRIP + STRIP_FIRST]), int(strips[b * STRIP + STRIP_LAST])
+        first, last = int(strips[b * at.STRIP + at.STRIP_FIRST]), int(strips[b * at.STRIP + at.STRIP_LAST])
         follows = False
         for i in range(first, last + 1):
             k = i - now.first
             reached = places[k] >= 0.0
             if not reached:
-                found = (IMPOSSIBLE, -1.0)
-                if (follows or (i < last and places[k + 1] >= 0.0)) and cost[i] < IMPOSSIBLE:
+                found = (at.IMPOSSIBLE, -1.0)
+                if (follows or (i < last and places[k + 1] >= 0.0)) and cost[i] < at.IMPOSSIBLE:
                     for a in range(before.first_strip, before.last_strip):
-                        found = try_strip(row(pages.nodes, i * NODE), pages, a, rules, found)
+                        found = try_strip(row(pages.nodes, i * at.NODE), pages, a, rules, found)
                 cost[i], places[k] = found
             follows = reached
 
@@ -349,11 +334,11 @@ def advance(sheet, before, now, rules, exact):
     nodes, cost = sheet.nodes, sheet.cost
     pages, places = pages_of(sheet), np.full(now.last - now.first, -1.0)
     start = cheapest(cost, before.first, before.last)
-    least = cost[start] + BREAK
-    most = IMPOSSIBLE if exact else least
+    least = cost[start] + at.BREAK
+    most = at.IMPOSSIBLE if exact else least
     for b in range(now.first_strip, now.last_strip):
-        own, last = row(pages.strips, b * STRIP), int(sheet.strips[b, STRIP_LAST])
-        for i in range(int(sheet.strips[b, STRIP_FIRST]), last + 1, LANES):
+        own, last = row(pages.strips, b * at.STRIP), int(sheet.strips[b, at.STRIP_LAST])
+        for i in range(int(sheet.strips[b, at.STRIP_FIRST]), last + 1, LANES):
             try_all(pages, before, own, i, min(i + LANES - 1, last), row(places, i - now.first), rules, most)
     try_beside(pages, before, now, row(places, 0), rules)
     if exact or cost[cheapest(cost, now.first, now.last)] > least:
@@ -371,7 +356,7 @@ def advance(sheet, before, now, rules, exact):
 @kernel
 def step_back(q, sheet, before, rules):
     """The best place of the pose before on the way to a posture q: cost, row and part of the way to the next row."""
-    found, pages = (IMPOSSIBLE, -1.0), pages_of(sheet)
+    found, pages = (at.IMPOSSIBLE, -1.0), pages_of(sheet)
     for a in range(before.first_strip, before.last_strip):
         found = try_strip(q, pages, a, rules, found)
     return leap(q, sheet, before.first, before.last, rules.settings, found)

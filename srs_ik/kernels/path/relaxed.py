@@ -12,18 +12,9 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.path import (
-    BY_CONTINUITY,
-    CELL_OFF,
-    IMPOSSIBLE,
-    INVERSE_SPEED,
-    LEAST_INVERSE,
-    WORTH_BEGIN,
-    WORTH_END,
-    WORTH_SAG,
-)
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.path.cells import GROUP, cell_chord
 from srs_ik.kernels.path.steps import steps_between
 
@@ -39,7 +30,7 @@ TURNS = 6
 @kernel
 def lowest(worth, i):
     """Least of the parabola of a cell."""
-    a, b, sag = worth[i, WORTH_BEGIN], worth[i, WORTH_END], worth[i, WORTH_SAG]
+    a, b, sag = worth[i, at.WORTH_BEGIN], worth[i, at.WORTH_END], worth[i, at.WORTH_SAG]
     if sag <= abs(b - a):
         return min(a, b)
     t = 0.5 * (1.0 - (b - a) / sag)
@@ -49,7 +40,7 @@ def lowest(worth, i):
 @kernel
 def least_along(e, d, worth, i, gain):
     """Least over s from 0 to 1 of the parabola of cell i plus gain |e - s d|^2, and whether it is inside."""
-    a, b, sag = worth[i, WORTH_BEGIN], worth[i, WORTH_END], worth[i, WORTH_SAG]
+    a, b, sag = worth[i, at.WORTH_BEGIN], worth[i, at.WORTH_END], worth[i, at.WORTH_SAG]
     size = sag + gain * dot7(d, d)
     slope = 0.5 * (sag - (b - a)) + gain * dot7(e, d)
     s = 0.0
@@ -69,7 +60,7 @@ def step_between(cells, i, worth, here, j, settings):
     e = steps_between(settings, row(cells, i), row(here, j))
     middle = along7(along7(e, 0.5, chord), -0.5, d)
     apart = math.sqrt(dot7(middle, middle))
-    off = cells[i, CELL_OFF] + here[j, CELL_OFF]
+    off = cells[i, at.CELL_OFF] + here[j, at.CELL_OFF]
     if apart <= off:
         least = lowest(worth, i)
         return least, least, 0.0
@@ -86,7 +77,7 @@ def step_between(cells, i, worth, here, j, settings):
     sag = gain * dot7(chord, chord)
     if inside0 and inside1:
         across = gain * dot7(d, chord)
-        size = worth[i, WORTH_SAG] + gain * dot7(d, d)
+        size = worth[i, at.WORTH_SAG] + gain * dot7(d, d)
         if size > 1e-18:
             sag = max(sag - across * across / size, 0.0)
     return begin - less, end - less, sag
@@ -99,19 +90,17 @@ def write_groups(cells, first, last, worth, groups):
     for g in range(count):
         begin, end = first + g * GROUP, min(first + (g + 1) * GROUP, last)
         middle = begin + (end - begin) // 2
-        reach, least = 0.0, IMPOSSIBLE
+        reach, least = 0.0, at.IMPOSSIBLE
         for i in range(begin, end):
             size, other = 0.0, 0.0
             for j in range(7):
                 a = cells[i, j] - cells[middle, j]
                 size += a * a
                 other += (a + cells[i, 7 + j]) * (a + cells[i, 7 + j])
-            reach = max(reach, math.sqrt(max(size, other)) + cells[i, CELL_OFF])
+            reach = max(reach, math.sqrt(max(size, other)) + cells[i, at.CELL_OFF])
             least = min(least, lowest(worth, i))
-        for j in range(7):
-            groups[g, j] = cells[middle, j]
-        groups[g, 7] = reach
-        groups[g, 8] = least
+        copy(row(cells, middle), row(groups, g), 7)
+        groups[g, 7], groups[g, 8] = reach, least
     return count
 
 
@@ -124,15 +113,15 @@ def quickest_between(cells, i, here, j, settings):
     """
     d, chord = cell_chord(cells, i), cell_chord(here, j)
     e = steps_between(settings, row(cells, i), row(here, j))
-    off = cells[i, CELL_OFF] + here[j, CELL_OFF]
+    off = cells[i, at.CELL_OFF] + here[j, at.CELL_OFF]
     middle = along7(along7(e, 0.5, chord), -0.5, d)
     long = 0.5 * (math.sqrt(dot7(d, d)) + math.sqrt(dot7(chord, chord)))
     if math.sqrt(dot7(middle, middle)) - off - long > FAR:
         middle = steps_between(settings, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), middle)
-        return max(math.sqrt(dot7(middle, middle)) - off - long, 0.0) * settings[7 * LEAST_INVERSE] / ROOT_7
+        return max(math.sqrt(dot7(middle, middle)) - off - long, 0.0) * settings[7 * at.LEAST_INVERSE] / ROOT_7
     ed, ec, dd, dc, cc = 0.0, 0.0, 1e-18, 0.0, 1e-18
     for k in range(7):
-        square = settings[7 * INVERSE_SPEED + k] * settings[7 * INVERSE_SPEED + k]
+        square = settings[7 * at.INVERSE_SPEED + k] * settings[7 * at.INVERSE_SPEED + k]
         ed += square * e[k] * d[k]
         ec += square * e[k] * chord[k]
         dd += square * d[k] * d[k]
@@ -146,7 +135,7 @@ def quickest_between(cells, i, here, j, settings):
     for power in range(2):
         total, a, b, c, size = 1e-300, 0.0, 0.0, 0.0, 0.0
         for k in range(7):
-            inverse = settings[7 * INVERSE_SPEED + k]
+            inverse = settings[7 * at.INVERSE_SPEED + k]
             w = inverse * (e[k] - s * d[k] + t * chord[k])
             if power == 1:
                 w *= w * w
@@ -162,21 +151,21 @@ def quickest_between(cells, i, here, j, settings):
 @kernel
 def is_too_far(apart, settings):
     """Whether a distance of seven joints, rad, is beyond a continuous step in every case."""
-    return apart * apart > 7.0 * settings[7 * BY_CONTINUITY] ** 2
+    return apart * apart > 7.0 * settings[7 * at.BY_CONTINUITY] ** 2
 
 
 @kernel
 def reach_groups(groups, total, here, j, settings):
     """Write what a way to cell j costs at least from each group of cells; which group promises most."""
     chord = cell_chord(here, j)
-    reach = math.sqrt(dot7(chord, chord)) + here[j, CELL_OFF]
+    reach = math.sqrt(dot7(chord, chord)) + here[j, at.CELL_OFF]
     nearest, least = 0, math.inf
     for g in range(total):
         e = steps_between(settings, row(groups, g), row(here, j))
         apart = max(math.sqrt(dot7(e, e)) - reach - groups[g, 7], 0.0)
         value = apart * apart
-        if settings[7 * INVERSE_SPEED] != 0.0:
-            value = apart * settings[7 * LEAST_INVERSE] / ROOT_7
+        if settings[7 * at.INVERSE_SPEED] != 0.0:
+            value = apart * settings[7 * at.LEAST_INVERSE] / ROOT_7
         groups[g, 9] = math.inf if is_too_far(apart, settings) else groups[g, 8] + value
         if groups[g, 9] < least:
             nearest, least = g, groups[g, 9]
@@ -191,7 +180,7 @@ def advance_cell(before, groups, here, j, settings, tried):
     leap. Where the time counts, the parabola is flat.
     """
     cells, first, last, worth = before
-    begin, end, count = IMPOSSIBLE, IMPOSSIBLE, 0
+    begin, end, count = at.IMPOSSIBLE, at.IMPOSSIBLE, 0
     total = (last - first + GROUP - 1) // GROUP
     nearest = reach_groups(groups, total, here, j, settings)
     for k in range(total + 1):
@@ -200,11 +189,11 @@ def advance_cell(before, groups, here, j, settings, tried):
         if groups[g, 9] >= max(begin, end) or (k > 0 and g == nearest):
             continue
         for i in range(first + g * GROUP, min(first + (g + 1) * GROUP, last)):
-            if min(worth[i, WORTH_BEGIN], worth[i, WORTH_END]) >= IMPOSSIBLE:
+            if min(worth[i, at.WORTH_BEGIN], worth[i, at.WORTH_END]) >= at.IMPOSSIBLE:
                 continue
-            if settings[7 * INVERSE_SPEED] != 0.0:
-                if worth[i, WORTH_BEGIN] < begin:
-                    begin = min(begin, worth[i, WORTH_BEGIN] + quickest_between(cells, i, here, j, settings))
+            if settings[7 * at.INVERSE_SPEED] != 0.0:
+                if worth[i, at.WORTH_BEGIN] < begin:
+                    begin = min(begin, worth[i, at.WORTH_BEGIN] + quickest_between(cells, i, here, j, settings))
                     end = begin
                 continue
             a, b, sag = step_between(cells, i, worth, here, j, settings)

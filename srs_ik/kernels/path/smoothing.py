@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, largest
+from srs_ik.kernels.algebra.joint_vectors import along7, largest, store7
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import ALL, put_eight, put_some, take_eight
@@ -181,8 +181,7 @@ def write_rate(P, course, line, rate, i, space):
         if not usable:
             v, usable = moving_rates(P, stop_of(course, i), here, space.J, space.A)
         if usable and largest(v) < FASTEST:
-            for j in range(7):
-                rate[i, j] = v[j]
+            store7(row(rate, i), 0, v)
 
 
 @kernel
@@ -224,8 +223,7 @@ def move_one(P, course, line, rate, far, moved, i, space):
         else:
             q, there, _ = beside(P, stop_of(course, i), here, (v, far, 4.0 * LONGEST_MOVE), space.J, space.A)
     moved.psi[i] = there
-    for j in range(7):
-        moved.q[i, j] = q[j]
+    store7(row(moved.q, i), 0, q)
 
 
 @kernel
@@ -349,8 +347,7 @@ def smooth(family, course, line, start, aim, settings, space):
             total, t_moved = value_of(aim, chain, steps, first)
             if total < lowest:
                 gain = lowest - total
-                lowest = total
-                t = t_moved
+                lowest, t = total, t_moved
                 line.q[:] = moved.q
                 line.psi[:] = moved.psi
                 break

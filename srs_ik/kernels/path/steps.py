@@ -7,16 +7,8 @@ import math
 from srs_ik.kernels.algebra.lanes import where, whole_number
 from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.path import (
-    BY_CONTINUITY,
-    BY_VELOCITY,
-    ENDLESS,
-    INVERSE_PERIOD,
-    INVERSE_SPEED,
-    PERIOD,
-    SETTINGS,
-    Rules,
-)
+from srs_ik.kernels.layout import path as at
+from srs_ik.kernels.layout.path import Rules
 from srs_ik.kernels.path.followed import along_cell
 
 CUTS = 24
@@ -30,15 +22,15 @@ TOUCHING = 1e-12
 def step_of(settings, j, a, b):
     """Joint step from a to b; the shorter way round for a joint that turns without end."""
     d = b - a
-    if abs(d) * settings[7 * INVERSE_PERIOD + j] < 0.5:
+    if abs(d) * settings[7 * at.INVERSE_PERIOD + j] < 0.5:
         return d
-    return d - settings[7 * PERIOD + j] * math.floor(d * settings[7 * INVERSE_PERIOD + j] + 0.5)
+    return d - settings[7 * at.PERIOD + j] * math.floor(d * settings[7 * at.INVERSE_PERIOD + j] + 0.5)
 
 
 @kernel
 def steps_between(settings, a, b):
     """The seven joint steps from a to b."""
-    if settings[7 * ENDLESS] == 0.0:
+    if settings[7 * at.ENDLESS] == 0.0:
         return along_cell(a, b)
     return (
         step_of(settings, 0, a[0], b[0]),
@@ -79,14 +71,14 @@ def kept(e, d, t0, t1, settings, kind):
 def scale_settings(settings, between, scaled):
     """Write the settings for a step over so many poses: as many times as fast, and twice as far at most."""
     for j in range(7):
-        scaled[7 * BY_VELOCITY + j] = settings[7 * BY_VELOCITY + j] * between
-        scaled[7 * BY_CONTINUITY + j] = settings[7 * BY_CONTINUITY + j] * min(between, 2)
+        scaled[7 * at.BY_VELOCITY + j] = settings[7 * at.BY_VELOCITY + j] * between
+        scaled[7 * at.BY_CONTINUITY + j] = settings[7 * at.BY_CONTINUITY + j] * min(between, 2)
 
 
 @kernel
 def copied(settings, scaled):
     """The settings once more, where there is room for them."""
-    for k in range(7 * SETTINGS):
+    for k in range(7 * at.SETTINGS):
         scaled[k] = settings[k]
     return scaled
 
@@ -101,11 +93,11 @@ def rules_for(settings, scaled, between, limited):
 @kernel
 def step_value(settings, e, share):
     """What a step counts: its squares, for all joints together, or the time that the slowest joint takes."""
-    if settings[7 * INVERSE_SPEED] == 0.0:
+    if settings[7 * at.INVERSE_SPEED] == 0.0:
         return share * product(e, e)
     longest = 0.0
     for j in range(7):
-        longest = max(longest, abs(e[j]) * settings[7 * INVERSE_SPEED + j])
+        longest = max(longest, abs(e[j]) * settings[7 * at.INVERSE_SPEED + j])
     return longest
 
 
@@ -113,7 +105,7 @@ def step_value(settings, e, share):
 def step_cost(e, d, ends, t0, t1, rules):
     """Least of va + t (vb - va) - sag t (1 - t) and the value of the step e - t d, t from t0 to t1, and where it is."""
     va, vb, sag = ends
-    if rules.settings[7 * INVERSE_SPEED] != 0.0:
+    if rules.settings[7 * at.INVERSE_SPEED] != 0.0:
         return quickest(e, d, va, vb, t0, t1, rules.settings)
     share = rules.share
     size = product(d, d) * share
@@ -130,14 +122,14 @@ def step_cost(e, d, ends, t0, t1, rules):
 @kernel
 def eight_step(settings, j, d):
     """`step_of` for eight differences."""
-    return d - settings[7 * PERIOD + j] * whole_number(d * settings[7 * INVERSE_PERIOD + j])
+    return d - settings[7 * at.PERIOD + j] * whole_number(d * settings[7 * at.INVERSE_PERIOD + j])
 
 
 @kernel
 def eight_steps(settings, a, q):
     """The seven joint steps from a posture to each of eight."""
     d = along_cell(a, q)
-    if settings[7 * ENDLESS] == 0.0:
+    if settings[7 * at.ENDLESS] == 0.0:
         return d
     return (
         eight_step(settings, 0, d[0]),
@@ -153,11 +145,11 @@ def eight_steps(settings, a, q):
 @kernel
 def are_short(e, settings, limited, more):
     """Which of eight steps are continuous, and within velocity limits where these count, or above by `more` at most."""
-    over = abs(e[0]) - settings[7 * BY_CONTINUITY]
+    over = abs(e[0]) - settings[7 * at.BY_CONTINUITY]
     for j in range(7):
-        longest = settings[7 * BY_CONTINUITY + j]
+        longest = settings[7 * at.BY_CONTINUITY + j]
         if limited:
-            longest = min(longest, settings[7 * BY_VELOCITY + j])
+            longest = min(longest, settings[7 * at.BY_VELOCITY + j])
         over = larger(over, abs(e[j]) - longest)
     return over < more
 
@@ -167,10 +159,10 @@ def least_of_eight(e, d, ends, t0, t1, rules):
     """`step_cost` for eight steps, nothing limiting them; of times, what they are at least."""
     va, vb, sag = ends
     settings = rules.settings
-    if settings[7 * INVERSE_SPEED] != 0.0:
+    if settings[7 * at.INVERSE_SPEED] != 0.0:
         most = 0.0 * e[0]
         for j in range(7):
-            most = larger(most, settings[7 * INVERSE_SPEED + j] * (abs(e[j] - 0.5 * d[j]) - 0.5 * abs(d[j])))
+            most = larger(most, settings[7 * at.INVERSE_SPEED + j] * (abs(e[j] - 0.5 * d[j]) - 0.5 * abs(d[j])))
         return most + min(va, vb), most
     size = product(d, d) * rules.share
     across = product(e, d) * rules.share
@@ -187,7 +179,7 @@ def slowest(e, d, t, settings):
     """The time that the slowest joint takes for the step e - t d, and its slope with t."""
     longest, slope = -1.0, 0.0
     for j in range(7):
-        inverse = settings[7 * INVERSE_SPEED + j]
+        inverse = settings[7 * at.INVERSE_SPEED + j]
         x = e[j] - t * d[j]
         if abs(x) * inverse > longest:
             longest = abs(x) * inverse

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import apart
+from srs_ik.kernels.algebra.joint_vectors import apart, store7
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import row
@@ -21,15 +21,7 @@ from srs_ik.kernels.algebra.vectors import load3, swing
 from srs_ik.kernels.chain.eight import put_eight
 from srs_ik.kernels.exact.samples import add_changes
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    FIRST_JOINT,
-    INVERSE_HALF_RANGE,
-    LOWER,
-    RANGE_KIND,
-    SHOULDER,
-    UPPER,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import FIRST_JOINT, INVERSE_HALF_RANGE, LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.layout.path import MEMO, MEMO_CLEAR, MEMO_SHOULDER, MEMO_STAMP, MEMO_WRIST, NODE_BRANCH, NODE_PSI
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
@@ -65,10 +57,8 @@ DEEPEST = 60
 @kernel
 def put_node(nodes, n, q, psi, branch):
     """Write a posture of a strip."""
-    for j in range(7):
-        nodes[n, j] = q[j]
-    nodes[n, NODE_PSI] = psi
-    nodes[n, NODE_BRANCH] = branch
+    store7(row(nodes, n), 0, q)
+    nodes[n, NODE_PSI], nodes[n, NODE_BRANCH] = psi, branch
 
 
 @kernel
@@ -225,10 +215,7 @@ def take_strip(P, side, interval, around, sheet, n, desk):
     targets, stack, loose = desk.targets, desk.stack, has_turns(P)
     known = (row(desk.memo, 0), desk.stamp[0], loose, ends)
     count = first_angles(P, side, lower, upper, targets)
-    q = NO_SEED
-    psi = lower
-    begun = False
-    written = False
+    q, psi, begun, written = NO_SEED, lower, False, False
     for i in range(count):
         if begun and targets[i] <= psi:
             continue

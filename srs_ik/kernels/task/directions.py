@@ -71,12 +71,9 @@ def bounds(P, joint):
 def wrist_crossings(P, line, wanted, hand_axis, psis):
     """Write the arm angles at which the hand can come to point in a direction, or cease to; return their number.
 
-    Args:
-        P: packed limb.
-        line: S-W seen from the forearm.
-        wanted: the direction seen from the forearm at arm angle zero; it turns about `line` with the arm angle.
-        hand_axis: the same direction in the hand at the zero configuration.
-        psis: (MAX_CROSSINGS,) output, rad, sorted, in [-pi, pi).
+    They are sorted, in [-pi, pi). The direction is told as `wanted` from the forearm at arm angle zero, where it turns
+    about `line`, S-W, with the arm angle, and as `hand_axis` in the hand at the zero configuration; `psis` has room for
+    MAX_CROSSINGS.
     """
     a5 = load3(P, WRIST + A1)
     a6 = load3(P, WRIST + A2)

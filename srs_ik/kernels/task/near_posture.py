@@ -36,26 +36,11 @@ def true_lengths(P, H, q, to_wrist, grasped):
 
 @kernel
 def settle_posture(P, H, x, grasped, phi, side, tie, found, hand_axes, q, seeded, seed, respect, A):
-    """Bring a posture and joint angles near it to agree on the true chain, the roll of the hand fixed by phi.
+    """Bring a posture and joint angles q near it to agree on the true chain, the roll of the hand fixed by phi.
 
-    Args:
-        P: packed limb.
-        H: packed hand.
-        x: task row.
-        grasped: whether the task gives a grasp direction.
-        phi: pronosupination of the hand.
-        side: 1.0 or -1.0.
-        tie: 1.0 or -1.0.
-        found: the posture of the nearest exact limb, from `posture.plan`.
-        hand_axes: axes of the hand in the tip frame.
-        q: joint angles to start from.
-        seeded: whether there is a seed.
-        seed: joint angles whose turns are wanted.
-        respect: whether the turns have to keep the joint limits.
-        A: (16, 9) work space.
-
-    Returns:
-        The posture, the rotation of the tip, the joint angles, and their cost: NO_BRANCH where they do not agree.
+    `x` is the task row, `found` the posture of the nearest exact limb, from `posture.plan`, `hand_axes` those of the
+    hand in the tip frame; side and tie are 1.0 or -1.0. Where there is a seed, its turns are wanted. Returns the
+    posture, the rotation of the tip, the joint angles, and their cost: NO_BRANCH where they do not agree.
     """
     p = load3(x, TASK_POSITION)
     R = times_transposed(tip_axes(found[5], phi), hand_axes)

@@ -15,42 +15,10 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import add, along, cross, dot, load3, norm, scale, sub
+from srs_ik.kernels.algebra.vectors import add, along, cross, dot, load3, norm, scale, store3, sub
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import task as at
 from srs_ik.kernels.layout.limb import REFERENCE_2, SHOULDER_CENTRE
-from srs_ik.kernels.layout.task import (
-    ARM_ANGLE,
-    DIRECTION,
-    ELBOW,
-    GRASP,
-    HAND_ACROSS,
-    HAND_ALONG,
-    HAND_FAR,
-    HAND_FOREARM,
-    HAND_GRASP,
-    HAND_KNOWN,
-    HAND_LENGTH,
-    HAND_NEAR,
-    HAND_TIP_FAR,
-    HAND_TIP_NEAR,
-    HAND_UPPER_ARM,
-    HAND_WRIST,
-    MISS,
-    NO_DIRECTION,
-    NORMAL,
-    NOT_FINITE,
-    PRONOSUPINATION,
-    ROLL_OPEN,
-    TASK,
-    TASK_FORCE,
-    TASK_GRASP,
-    TASK_NORMAL,
-    TASK_POSITION,
-    TASK_PRONOSUPINATION,
-    TASK_VELOCITY,
-    TIP,
-    WRIST,
-)
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, target_frame, unit_across
 
 PARALLEL = 1e-8
@@ -76,21 +44,19 @@ def unit(a):
 @kernel
 def read_task(raw, given, out):
     """Write a task row with directions of unit length; return what is wrong with it, or 0."""
-    for i in range(TASK):
+    for i in range(at.TASK):
         if not math.isfinite(raw[i]):
-            return NOT_FINITE
-    for i in range(3):
-        out[i] = raw[i]
+            return at.NOT_FINITE
+    store3(out, 0, load3(raw, 0))
     for k in range(1, 5):
         v = unit(load3(raw, 3 * k))
-        asked = k < 3 or (k == 3 and given & GRASP != 0) or (k == 4 and given & PRONOSUPINATION != 0)
+        asked = k < 3 or (k == 3 and given & at.GRASP != 0) or (k == 4 and given & at.PRONOSUPINATION != 0)
         if asked and v == (0.0, 0.0, 0.0):
-            return NO_DIRECTION
-        for i in range(3):
-            out[3 * k + i] = v[i]
-    if given == GRASP | PRONOSUPINATION:
-        if norm(cross(load3(out, TASK_GRASP), load3(out, TASK_PRONOSUPINATION))) < PARALLEL:
-            return ROLL_OPEN
+            return at.NO_DIRECTION
+        store3(out, 3 * k, v)
+    if given == at.GRASP | at.PRONOSUPINATION:
+        if norm(cross(load3(out, at.TASK_GRASP), load3(out, at.TASK_PRONOSUPINATION))) < PARALLEL:
+            return at.ROLL_OPEN
     return 0
 
 
@@ -159,23 +125,20 @@ def wrist_from_tip(H, g, phi, rolled):
     It is exact where the roll of the hand is known, or where the tip lies on the line through the wrist along the grasp
     direction; else the part along that direction counts.
     """
-    if rolled and H[HAND_KNOWN] == 1.0:
+    if rolled and H[at.HAND_KNOWN] == 1.0:
         axes = tip_axes(g, phi)
-        y = (axes[1], axes[4], axes[7])
-        z = (axes[2], axes[5], axes[8])
-        w = load3(H, HAND_WRIST)
-        a = load3(H, HAND_GRASP)
-        b = load3(H, HAND_ACROSS)
+        y, z = (axes[1], axes[4], axes[7]), (axes[2], axes[5], axes[8])
+        w, a, b = load3(H, at.HAND_WRIST), load3(H, at.HAND_GRASP), load3(H, at.HAND_ACROSS)
         return along(along(scale(dot(w, a), g), dot(w, b), y), dot(w, cross(a, b)), z)
-    return scale(-H[HAND_ALONG], g)
+    return scale(-H[at.HAND_ALONG], g)
 
 
 @kernel
 def lengths_of(H, grasped):
     """Lengths of the nearest exact limb: upper arm, forearm, shortest and longest distance of what has to reach."""
     if grasped:
-        return H[HAND_UPPER_ARM], H[HAND_FOREARM], H[HAND_NEAR], H[HAND_FAR]
-    return H[HAND_UPPER_ARM], H[HAND_FOREARM], H[HAND_TIP_NEAR], H[HAND_TIP_FAR]
+        return H[at.HAND_UPPER_ARM], H[at.HAND_FOREARM], H[at.HAND_NEAR], H[at.HAND_FAR]
+    return H[at.HAND_UPPER_ARM], H[at.HAND_FOREARM], H[at.HAND_TIP_NEAR], H[at.HAND_TIP_FAR]
 
 
 @kernel
@@ -186,16 +149,16 @@ def plan(P, H, x, grasped, phi, rolled, side, tie, lengths):
     as in `lengths_of`. The arm's normal m is signed such that the elbow lies towards m x t from any line t in its plane
     on which it is seen from the shoulder.
     """
-    n = task_normal(load3(x, TASK_VELOCITY), load3(x, TASK_FORCE))
-    target = sub(load3(x, TASK_POSITION), load3(P, SHOULDER_CENTRE))
+    n = task_normal(load3(x, at.TASK_VELOCITY), load3(x, at.TASK_FORCE))
+    target = sub(load3(x, at.TASK_POSITION), load3(P, SHOULDER_CENTRE))
     upper, forearm, near, far = lengths
     lower = forearm
     to_wrist = (0.0, 0.0, 0.0)
     if grasped:
-        to_wrist = wrist_from_tip(H, load3(x, TASK_GRASP), phi, rolled)
+        to_wrist = wrist_from_tip(H, load3(x, at.TASK_GRASP), phi, rolled)
         target = add(target, to_wrist)
     else:
-        lower += H[HAND_LENGTH]
+        lower += H[at.HAND_LENGTH]
     d = norm(target)
     t = load3(P, REFERENCE_2) if d < AT_SHOULDER else unit(target)
     h = elbow_direction(t, n, side, tie)
@@ -204,7 +167,7 @@ def plan(P, H, x, grasped, phi, rolled, side, tie, lengths):
     elbow = along(scale(foot, t), across, h)
     end = scale(reached, t)
     if grasped:
-        return elbow, end, sub(end, to_wrist), cross(t, h), n, load3(x, TASK_GRASP), d - reached
+        return elbow, end, sub(end, to_wrist), cross(t, h), n, load3(x, at.TASK_GRASP), d - reached
     direction = scale(1.0 / lower, sub(end, elbow))
     return elbow, along(elbow, forearm, direction), end, cross(t, h), n, direction, d - reached
 
@@ -212,9 +175,9 @@ def plan(P, H, x, grasped, phi, rolled, side, tie, lengths):
 @kernel
 def plan_given(P, H, x, given, side, tie):
     """The posture of a task row, by what it gives."""
-    grasped = given & GRASP != 0
-    phi = load3(x, TASK_PRONOSUPINATION)
-    return plan(P, H, x, grasped, phi, given & PRONOSUPINATION != 0, side, tie, lengths_of(H, grasped))
+    grasped = given & at.GRASP != 0
+    phi = load3(x, at.TASK_PRONOSUPINATION)
+    return plan(P, H, x, grasped, phi, given & at.PRONOSUPINATION != 0, side, tie, lengths_of(H, grasped))
 
 
 @kernel
@@ -230,15 +193,11 @@ def write_posture(P, found, out):
     S = load3(P, SHOULDER_CENTRE)
     normal = m if dot(m, n) >= 0.0 else scale(-1.0, m)
     _, t, h0 = target_frame(P, wrist)
-    e = add(S, elbow)
-    w = add(S, wrist)
-    p = add(S, tip)
-    for i in range(3):
-        out[ELBOW + i] = e[i]
-        out[WRIST + i] = w[i]
-        out[TIP + i] = p[i]
-        out[NORMAL + i] = normal[i]
-        out[TASK_NORMAL + i] = n[i]
-        out[DIRECTION + i] = direction[i]
-    out[ARM_ANGLE] = planned_arm_angle(t, h0, m)
-    out[MISS] = miss
+    store3(out, at.ELBOW, add(S, elbow))
+    store3(out, at.WRIST, add(S, wrist))
+    store3(out, at.TIP, add(S, tip))
+    store3(out, at.NORMAL, normal)
+    store3(out, at.TASK_NORMAL, n)
+    store3(out, at.DIRECTION, direction)
+    out[at.ARM_ANGLE] = planned_arm_angle(t, h0, m)
+    out[at.MISS] = miss

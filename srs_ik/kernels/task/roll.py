@@ -80,8 +80,7 @@ def in_forearm(base, arm, a4, c4, s4, circle):
 @kernel
 def wrist_at(P, motion, roll, sign, seeded, seed, respect):
     """One solution of the wrist at a roll: its angles, and whether it exists."""
-    c = math.cos(roll)
-    s = math.sin(roll)
+    c, s = math.cos(roll), math.sin(roll)
     v0, y0, _ = motion
     v = swing(v0[0], v0[1], v0[2], c, s)
     cosine, sine, reached = middle_angle(P, WRIST, v)
@@ -93,8 +92,7 @@ def wrist_at(P, motion, roll, sign, seeded, seed, respect):
 def roll_cost(P, motion, roll, sign):
     """How far the wrist is from the middles of its ranges, 1 on a limit; a joint without limits counts with +-pi."""
     q, reached = wrist_at(P, motion, roll, sign, False, NO_SEED, False)
-    worst = 0.0
-    total = 0.0
+    worst, total = 0.0, 0.0
     for i in range(3):
         joint = 4 + i
         share = P[INVERSE_HALF_RANGE + joint]
@@ -107,23 +105,16 @@ def roll_cost(P, motion, roll, sign):
 @kernel
 def refine_roll(P, motion, sign, lower, upper):
     """Golden-section search for the best roll between two: roll, cost."""
-    a = lower
-    b = upper
-    x = b - GOLDEN * (b - a)
-    y = a + GOLDEN * (b - a)
-    fx = roll_cost(P, motion, x, sign)
-    fy = roll_cost(P, motion, y, sign)
+    a, b = lower, upper
+    x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+    fx, fy = roll_cost(P, motion, x, sign), roll_cost(P, motion, y, sign)
     while b - a > REFINED:
         if fx <= fy:
-            b = y
-            y = x
-            fy = fx
+            b, y, fy = y, x, fx
             x = b - GOLDEN * (b - a)
             fx = roll_cost(P, motion, x, sign)
         else:
-            a = x
-            x = y
-            fx = fy
+            a, x, fx = x, y, fy
             y = a + GOLDEN * (b - a)
             fy = roll_cost(P, motion, y, sign)
     return (x, fx) if fx <= fy else (y, fy)
@@ -135,8 +126,7 @@ def search_piece(P, motion, sign, lower, upper):
     count = max(math.ceil((upper - lower) / STEP), FEWEST) if upper > lower else 0
     best = lower
     lowest = roll_cost(P, motion, lower, sign)
-    before = lowest
-    here = lowest
+    before, here = lowest, lowest
     for i in range(1, count + 2):
         behind = here
         if i <= count:
@@ -149,10 +139,8 @@ def search_piece(P, motion, sign, lower, upper):
                 lowest = here
             roll, cost = refine_roll(P, motion, sign, x, y)
             if cost < lowest - TIE:
-                best = roll
-                lowest = cost
-        before = here
-        here = behind
+                best, lowest = roll, cost
+        before, here = here, behind
     return best, lowest
 
 
@@ -173,8 +161,7 @@ def wrist_rolls(P, motion, respect, pieces):
     if respect:
         return joint_pieces(P, WRIST, motion, 3, np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), pieces)
     for sign in range(2):
-        pieces[sign, 0, 0] = -math.pi
-        pieces[sign, 0, 1] = math.pi
+        pieces[sign, 0, 0], pieces[sign, 0, 1] = -math.pi, math.pi
     return 1, 1
 
 
@@ -185,9 +172,7 @@ def best_roll_at(P, place_, psi, axis, seeded, seed, respect):
     It is the most comfortable one, or with a seed the nearest to 0 in the branch that is then nearest to the seed.
     """
     pieces = np.empty((2, MAX_PIECES, 2))
-    best = 0.0
-    branch = -1
-    lowest = NONE
+    best, branch, lowest = 0.0, -1, NONE
     for elbow in range(2):
         base, arm, c4, s4 = side_frames(P, place_, elbow, math.cos(psi), math.sin(psi))
         _, cost_e = elbow_part(P, math.atan2(s4, c4), seeded, seed[3], respect)
@@ -199,8 +184,7 @@ def best_roll_at(P, place_, psi, axis, seeded, seed, respect):
         counts = wrist_rolls(P, motion, respect, pieces)
         for sign in range(2):
             for i in range(counts[sign]):
-                lower = pieces[sign, i, 0]
-                upper = pieces[sign, i, 1]
+                lower, upper = pieces[sign, i, 0], pieces[sign, i, 1]
                 if seeded:
                     roll, cost = keep_roll(P, motion, sign, lower, upper, seed, respect)
                     total = cost_e + cost_s + cost
@@ -209,9 +193,7 @@ def best_roll_at(P, place_, psi, axis, seeded, seed, respect):
                     # The arm's own margin decides between the elbow's two sides where it is the smaller one.
                     total = max(cost, 1.0 + max(cost_e, cost_s)) + EVENNESS * cost
                 if cost < NONE and total < lowest - TIE:
-                    best = roll
-                    branch = 4 * elbow + 2 * shoulder + sign
-                    lowest = total
+                    best, branch, lowest = roll, 4 * elbow + 2 * shoulder + sign, total
     return best, branch, lowest
 
 
@@ -268,10 +250,7 @@ def nearest_gap(P, place_, elbow, psi, axis, farthest):
     tried = np.zeros(n, np.bool_)
     pieces = np.empty((2, MAX_PIECES, 2))
     for _ in range(n):
-        best = -1
-        lower = 0.0
-        upper = 0.0
-        least = farthest
+        best, lower, upper, least = -1, 0.0, 0.0, farthest
         for i in range(n):
             end = psis[i + 1] if i + 1 < n else psis[0] + 2.0 * math.pi
             _, away = between(psi, psis[i], end)
@@ -291,9 +270,7 @@ def nearest_gap(P, place_, elbow, psi, axis, farthest):
 @kernel
 def nearest_roll(P, place_, psi, axis, seeded, seed):
     """The best roll at the arm angle nearest to psi that leaves one inside the limits: roll, branch, cost."""
-    lower = 1.0
-    upper = -1.0
-    least = 4.0 * math.pi
+    lower, upper, least = 1.0, -1.0, 4.0 * math.pi
     for elbow in range(2):
         a, b = nearest_gap(P, place_, elbow, psi, axis, least)
         if a <= b:

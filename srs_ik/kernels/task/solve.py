@@ -13,11 +13,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import add, along, cross, load3, norm, scale, sub, swing, times_transposed
+from srs_ik.kernels.algebra.vectors import add, along, cross, load3, norm, scale, store3, sub, swing, times_transposed
 from srs_ik.kernels.chain.answer import measure_row, write_row
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import task as at
 from srs_ik.kernels.layout.answer import (
     MAX_PIECES,
     OK,
@@ -29,20 +30,6 @@ from srs_ik.kernels.layout.answer import (
 )
 from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, NEAR
-from srs_ik.kernels.layout.task import (
-    ANGLE_LOST,
-    GRASP,
-    HAND_ACROSS,
-    HAND_GRASP,
-    HAND_REACH,
-    HAND_WRIST,
-    PRONOSUPINATION,
-    TASK_POSITION,
-    TASK_POSTURE,
-    TASK_PRONOSUPINATION,
-    TASK_ROTATION,
-    TASK_TIP,
-)
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.limb.poses import read7
@@ -164,15 +151,12 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
     else:
         n = all_intervals(family, target, respect, J, A, found)
     for _ in range(n):
-        best = -1
-        nearest = 0.0
+        best, nearest = -1, 0.0
         least = 4.0 * math.pi
         for i in range(n):
             x, far = between(psi, found[i, 1], found[i, 2])
             if found[i, 0] >= 0.0 and far < least:
-                best = i
-                nearest = x
-                least = far
+                best, nearest, least = i, x, far
         lower = found[best, 1]
         upper = found[best, 2]
         P = row(family, LOOSE if upper - lower < NARROW else LIMITED)
@@ -225,14 +209,14 @@ def solve_posed(family, pose, m, branch, goal, work, out):
 @kernel
 def choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, respect):
     """A pronosupination for a hand that leaves it free, the posture that goes with it, and its branch."""
-    p = load3(x, TASK_POSITION)
+    p = load3(x, at.TASK_POSITION)
     direction = found[5]
     towards = (0.0, 0.0, 1.0)
     if seeded:
         tip_x, tip_y, tip_z, _ = forward_kinematics(P, seed)
         towards = swing(scale(hand_axes[1], tip_x), tip_y, tip_z, hand_axes[4], hand_axes[7])
     phi = unit_across(towards, direction, (1.0, 0.0, 0.0))
-    moves_wrist = grasped and norm(cross(load3(H, HAND_WRIST), load3(H, HAND_GRASP))) >= OFF_AXIS
+    moves_wrist = grasped and norm(cross(load3(H, at.HAND_WRIST), load3(H, at.HAND_GRASP))) >= OFF_AXIS
     branch = -1
     for _ in range(ROLL_PASSES if moves_wrist else 1):
         place_ = task_place(P, times_transposed(tip_axes(direction, phi), hand_axes), p)
@@ -255,7 +239,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
         The posture, the rotation of the tip, and the arm angle given up.
     """
     P = row(family, LIMITED)
-    p = load3(x, TASK_POSITION)
+    p = load3(x, at.TASK_POSITION)
     R = times_transposed(tip_axes(found[5], phi), hand_axes)
     place_ = task_place(P, R, p)
     psi = planned_arm_angle(place_[0], place_[1], found[3])
@@ -263,10 +247,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
         start, _, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
     else:
         start, _, _ = steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
-    q = start
-    lowest = NO_BRANCH
-    lost = 0.0
-    exact = found
+    q, lowest, lost, exact = start, NO_BRANCH, 0.0, found
     # From the closed form; next to a singularity, where that may lead astray, from the seed too; then from any posture.
     for attempt in range(3):
         if attempt == 1 and seeded:
@@ -296,29 +277,28 @@ def solve_task_one(family, H, x, given, side, tie, goal, J, A, out):
     """Solve one task row into a task solution row."""
     P = row(family, LIMITED)
     seeded, seed, respect = goal
-    grasped = given & GRASP != 0
-    phi = load3(x, TASK_PRONOSUPINATION)
-    rolled = given & PRONOSUPINATION != 0
+    grasped = given & at.GRASP != 0
+    phi = load3(x, at.TASK_PRONOSUPINATION)
+    rolled = given & at.PRONOSUPINATION != 0
     found = plan(P, H, x, grasped, phi, rolled, side, tie, lengths_of(H, grasped))
-    in_tip = load3(H, HAND_GRASP if grasped else HAND_REACH)
-    across_tip = load3(H, HAND_ACROSS)
+    in_tip = load3(H, at.HAND_GRASP if grasped else at.HAND_REACH)
+    across_tip = load3(H, at.HAND_ACROSS)
     if min(norm(cross(found[5], phi)), norm(cross(in_tip, across_tip))) < PARALLEL:
         rolled = False
-    hand_axes = tip_axes(in_tip, unit_across(across_tip, in_tip, load3(H, HAND_GRASP)))
+    hand_axes = tip_axes(in_tip, unit_across(across_tip, in_tip, load3(H, at.HAND_GRASP)))
     branch = -1
     if not rolled:
         phi, found, branch = choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, respect)
-    p = load3(x, TASK_POSITION)
+    p = load3(x, at.TASK_POSITION)
     if P[IS_NEAR] == 0.0:
         R = times_transposed(tip_axes(found[5], phi), hand_axes)
-        out[ANGLE_LOST] = solve_posed(family, (R, p), found[3], branch, goal, (J, A), out)
+        out[at.ANGLE_LOST] = solve_posed(family, (R, p), found[3], branch, goal, (J, A), out)
     else:
         found, R, lost = solve_true(
             family, H, x, grasped, phi, side, tie, found, hand_axes, branch, seeded, seed, respect, J, A, out
         )
-        out[ANGLE_LOST] = lost
-    write_posture(P, found, row(out, TASK_POSTURE))
+        out[at.ANGLE_LOST] = lost
+    write_posture(P, found, row(out, at.TASK_POSTURE))
     for k in range(9):
-        out[TASK_ROTATION + k] = R[k]
-    for k in range(3):
-        out[TASK_TIP + k] = p[k]
+        out[at.TASK_ROTATION + k] = R[k]
+    store3(out, at.TASK_TIP, p)

@@ -129,11 +129,7 @@ def _straight(arm: Arm, grasp: str) -> dict[str, Any]:
     task = Task(wrist + arm.limb.hand * hand, v, f, {"N": None, "F": -f, "V": v}[grasp], _UP)
     solution = arm.solve_task(task, respect_limits=False)
     J = arm.jacobian(solution.q)
-    return {
-        "reached": bool(solution),
-        "rank_of_J": velocity_ellipsoid(J, part="full").rank,
-        **task_ease(J, v, f),
-    }
+    return {"reached": bool(solution), "rank_of_J": velocity_ellipsoid(J, part="full").rank, **task_ease(J, v, f)}
 
 
 def _draw(C: dict[str, dict[Side, Array]], extensions: Array, theta: Array) -> Figure:

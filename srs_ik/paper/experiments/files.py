@@ -22,10 +22,7 @@ _PACKAGES = {"numpy": "numpy", "pinocchio": "pin", "matplotlib": "matplotlib"}
 
 
 def write(folder: Path, name: str, arm: Arm, outcome: Outcome) -> list[Path]:
-    """Write NAME.png, NAME.svg and NAME.json into a folder that exists.
-
-    Returns:
-        The three paths.
+    """Write NAME.png, NAME.svg and NAME.json into a folder that exists, and return their paths.
 
     Raises:
         MissingExtra: Matplotlib is not installed.

@@ -92,14 +92,9 @@ def solve(arm: Arm, tasks: Task, side: Side) -> BatchTaskSolution:
 
 
 def posture_figures(arm: Arm, posture: Posture, target: Array, side: Side, held: bool) -> dict[str, Any]:
-    """What a batch of postures is worth, measured from its points alone.
+    """What a batch of N postures is worth, measured from its points alone.
 
-    Args:
-        arm: the arm.
-        posture: of N tasks.
-        target: (N, 3) where the hand had to be, metres.
-        side: that the postures were asked for.
-        held: whether there was a grasp direction.
+    `target` (N, 3) is where the hand had to be, metres; `side` that of the elbow, `held` whether there was a grasp.
     """
     S, E, W, H = posture.shoulder, posture.elbow, posture.wrist, posture.hand
     finite = np.isfinite(np.concatenate([E, W, H], axis=1)).all(axis=1)

@@ -136,11 +136,7 @@ def _ease(arm: Arm, solution: TaskSolution, v: Array, f: Array) -> dict[str, Any
 
 
 _FOOT = "velocity of the foot"
-_ARROWS = (
-    ("#16456e", "-", "velocity direction v"),
-    ("#e9a23b", "--", "force direction f"),
-    ("0.35", ":", _FOOT),
-)
+_ARROWS = (("#16456e", "-", "velocity direction v"), ("#e9a23b", "--", "force direction f"), ("0.35", ":", _FOOT))
 
 
 def _draw(lines: Array, v: Array, f: Array, velocity: Array) -> Figure:

@@ -132,12 +132,7 @@ def _encoding(text: bytes) -> str:
 
 
 class _Prolog:
-    """What comes before the content of an XML text.
-
-    Attributes:
-        has_doctype: whether it declares a document type.
-        tag: tag of the outermost element; "" where there is none.
-    """
+    """What comes before the content of an XML text: any document type, and the tag of the outermost element, if any."""
 
     def __init__(self, text: str) -> None:
         end = _BEFORE.match(text).end()  # type: ignore[union-attr]
@@ -159,11 +154,7 @@ class Guardian:
         self._depth = 0
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        """An element begins.
-
-        Raises:
-            InvalidRobot: it is one too many, or too deep.
-        """
+        """An element begins; raises InvalidRobot where it is one too many, or too deep."""
         self._count += 1
         self._depth += 1
         if self._count > bounds.XML_ELEMENTS:
@@ -178,11 +169,7 @@ class Guardian:
         self._depth -= 1
 
     def doctype(self, *declaration: object) -> None:
-        """A document type is declared.
-
-        Raises:
-            InvalidRobot: always.
-        """
+        """A document type is declared, which is always refused."""
         message = f"{self.source} has a <!DOCTYPE> declaration, which no robot needs and which is not read for safety"
         raise InvalidRobot(message, self.source)
 

@@ -20,11 +20,7 @@ def label_of(path: Path) -> str:
 
 
 def read(path: Path, label: str) -> bytes:
-    """Content of a file, cut off where it is too large.
-
-    Raises:
-        InvalidRobot: there is no such file, or it cannot be read.
-    """
+    """Content of a file, cut off where it is too large; raises InvalidRobot where it cannot be read."""
     try:
         if path.is_dir():
             raise InvalidRobot(f"{label} is a directory, not a URDF file", label)

@@ -18,10 +18,6 @@ from srs_ik.errors import InvalidRobot
 def elements(urdf: Any, source: str) -> Element:
     """Links and joints of a ``yourdfpy.URDF`` as an element `<robot>`, unchecked; the robot itself is not changed.
 
-    Args:
-        urdf: the ``yourdfpy.URDF``.
-        source: what error messages call it.
-
     Raises:
         InvalidRobot: it holds no robot, or an origin is no rigid transform.
     """
@@ -58,16 +54,10 @@ def elements(urdf: Any, source: str) -> Element:
 
 
 def roll_pitch_yaw(R: np.ndarray) -> tuple[float, float, float]:
-    """Angles whose rotation Rz(yaw) Ry(pitch) Rx(roll) is R to rounding, at any pitch.
+    """Angles, rad, whose rotation Rz(yaw) Ry(pitch) Rx(roll) is R (3, 3) to rounding, at any pitch.
 
     At a pitch of 90 degrees only the sum or difference of roll and yaw is determined. Whatever yaw comes out, roll is
     measured after it is taken away, so the error of the one is not the error of the whole.
-
-    Args:
-        R: (3, 3) rotation matrix.
-
-    Returns:
-        roll, pitch, yaw in radians.
     """
     yaw = math.atan2(R[1, 0], R[0, 0])
     c, s = math.cos(yaw), math.sin(yaw)

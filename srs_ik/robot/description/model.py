@@ -23,35 +23,24 @@ from srs_ik.system.forks import WHOLE
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Where the shapes of a robot's links can be read, once somebody wants to see them.
+    """Where the shapes of a robot's links can be read, once somebody wants to see them."""
 
-    Attributes:
-        file: absolute path of the robot's file, beside which its meshes are looked for; None for text and objects.
-        content: URDF text or the ``yourdfpy.URDF``; None if it is what the file holds.
-    """
-
+    # absolute path of the robot's file, beside which its meshes are looked for; None for text and objects
     file: Path | None
-    content: Any = None
+    content: Any = None  # URDF text or the ``yourdfpy.URDF``; None if it is what the file holds
 
 
 @dataclass(frozen=True, eq=False)
 class RobotModel:
-    """A robot as Pinocchio sees it, and what Pinocchio does not keep.
+    """A robot as Pinocchio sees it, and what Pinocchio does not keep."""
 
-    Attributes:
-        model: the ``pinocchio.Model`` of the whole robot. In it an effort or velocity limit of 0 means "not given".
-        name: the robot's own name.
-        source: where it came from, as error messages call it.
-        mimic_joints: names of joints that follow another one, or are tied to one. `model` has them as joints of their
-            own, but they cannot be joints of a limb.
-        drawing: where its shapes are; None for a bare model and for MJCF.
-    """
-
-    model: Any
-    name: str
-    source: str
+    model: Any  # the ``pinocchio.Model`` of the whole robot. In it an effort or velocity limit of 0 means "not given".
+    name: str  # the robot's own name
+    source: str  # where it came from, as error messages call it
+    # names of joints that follow another one, or are tied to one. `model` has them as joints of their own, but they
+    # cannot be joints of a limb.
     mimic_joints: frozenset[str] = frozenset()
-    drawing: Drawing | None = None
+    drawing: Drawing | None = None  # where its shapes are; None for a bare model and for MJCF
 
 
 def load_model(

@@ -17,15 +17,11 @@ _DEPTH = 3
 
 
 def find_package(name: str, near: Path | None = None) -> Path | None:
-    """Folder of a ROS package, or None.
+    """Folder of a ROS package that a file, `near`, mentions, or None.
 
-    Looked for around a file (in the folders above it, and their subfolders, as in a clone of a repository), then in the
-    installations of AMENT_PREFIX_PATH, then below the folders of ROS_PACKAGE_PATH. Where none says that it is the
+    Looked for around that file (in the folders above it, and their subfolders, as in a clone of a repository), then in
+    the installations of AMENT_PREFIX_PATH, then below the folders of ROS_PACKAGE_PATH. Where none says that it is the
     package, a folder that only bears its name will do, as in collections that leave out ``package.xml``.
-
-    Args:
-        name: name of the package.
-        near: a file that mentions the package.
     """
     if not _NAME.fullmatch(name):
         return None

@@ -33,35 +33,20 @@ _TREE: document.Kept = {"robot": frozenset({"joint"}), "joint": frozenset({"pare
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """One shape of a link.
+    """One shape of a link."""
 
-    Attributes:
-        link: name of the link.
-        visual: true if it is meant to be seen, false if it is meant for collisions.
-        T_link_shape: (4, 4) pose of the shape in the link's frame.
-        kind: what it is; a cylinder or capsule has its axis along z, and its centre in the origin.
-        size: box: 3 edges; cylinder and capsule: radius and length; sphere: radius, metres; mesh: 3 scale factors.
-        file: name of the mesh as the file gives it; empty otherwise.
-        rgba: colour and opacity, 0 to 1; None if not given.
-    """
-
-    link: str
-    visual: bool
-    T_link_shape: NDArray[np.float64]
-    kind: Kind
+    link: str  # name of the link
+    visual: bool  # true if it is meant to be seen, false if it is meant for collisions
+    T_link_shape: NDArray[np.float64]  # (4, 4) pose of the shape in the link's frame
+    kind: Kind  # what it is; a cylinder or capsule has its axis along z, and its centre in the origin
+    # box: 3 edges; cylinder and capsule: radius and length; sphere: radius, metres; mesh: 3 scale factors
     size: tuple[float, ...]
-    file: str = ""
-    rgba: Rgba | None = None
+    file: str = ""  # name of the mesh as the file gives it; empty otherwise
+    rgba: Rgba | None = None  # colour and opacity, 0 to 1; None if not given
 
 
 def read_shapes(drawing: Drawing | None) -> tuple[list[Shape], int]:
-    """The shapes of a robot.
-
-    Args:
-        drawing: where they are; None for none.
-
-    Returns:
-        The shapes, and how many more there are that make no sense (no size, a negative one, an unknown kind).
+    """The shapes of a robot, and how many more make no sense (no size, a negative one, an unknown kind); None has none.
 
     Raises:
         InvalidRobot: the file is gone, or is no URDF any more.

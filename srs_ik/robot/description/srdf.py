@@ -16,10 +16,7 @@ _PAIRS: Mapping[str, frozenset[str]] = {"robot": frozenset({"disable_collisions"
 
 
 def chains(source: str | Path) -> dict[str, tuple[str, str]]:
-    """Base and tip frame of every group that is given as one chain.
-
-    Args:
-        source: path or text of an SRDF file.
+    """Base and tip frame of every group that is given as one chain in an SRDF file, by path or text.
 
     Raises:
         InvalidRobot: the file is missing or no SRDF.
@@ -40,10 +37,7 @@ def chains(source: str | Path) -> dict[str, tuple[str, str]]:
 
 
 def disabled_pairs(source: str | Path) -> dict[frozenset[str], str]:
-    """Pairs of links that need not be watched for collisions, and the reason that is given for each.
-
-    Args:
-        source: path or text of an SRDF file.
+    """Pairs of links that an SRDF file, by path or text, says need not be watched for collisions, and why.
 
     Raises:
         InvalidRobot: the file is missing or no SRDF.

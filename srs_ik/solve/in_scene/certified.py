@@ -48,13 +48,9 @@ class Shapes(NamedTuple):
 
 
 def certified_free(shapes: Shapes, T: Array, found: Array, in_range: Array) -> tuple[Array, float]:
-    """(n, 3) what is certainly free of some intervals of a pose, sorted, and the width left undecided, rad.
+    """(n, 3) what is certainly free of intervals (n, 3) of a pose, sorted, and the width left undecided, rad.
 
-    Args:
-        shapes: the arm in its scene.
-        T: (4, 4) the pose.
-        found: (n, 3) the intervals.
-        in_range: (m, 3) those in which the ranges of joints keep apart bodies that no sphere watches.
+    In `in_range` (m, 3), the ranges of joints keep apart bodies that no sphere watches.
     """
     if not len(found):
         return found, 0.0

@@ -27,11 +27,7 @@ class EdgeHit(NamedTuple):
 
 
 class Edges:
-    """The lines of a path, looked along.
-
-    Attributes:
-        hits: what is in the way, or could not be shown to be out of it, of which lines.
-    """
+    """The lines of a path, looked along: `hits` are what is in the way, or could not be shown to be out, of which."""
 
     def __init__(self, around: Surroundings, q: Array, lines: NDArray[np.int64]) -> None:
         found = around.along(q[lines], q[lines + 1], np.full(len(lines), around.margin))

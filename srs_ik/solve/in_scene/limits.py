@@ -53,10 +53,7 @@ def cut_limits(arm: BodyOwner, packed: PackedArm, ranges: list[JointRange], cut:
             known.clear()
         limits: list[TightLimits | None] = []
         jammed = None
-        given: Sequence[tuple[Array, Array]] = (
-            (np.full(7, -np.inf), np.full(7, np.inf)),
-            (packed.lower, packed.upper),
-        )
+        given: Sequence[tuple[Array, Array]] = ((np.full(7, -np.inf), np.full(7, np.inf)), (packed.lower, packed.upper))
         for lower, upper in given:
             low, high, jammed = cut(ranges, lower, upper, margin)
             same = np.array_equal(low, lower) and np.array_equal(high, upper) and jammed is None

@@ -112,11 +112,7 @@ def _jumps(problem: Problem, rows: Array) -> int:
 
 
 def _refuse_hits(problem: Problem) -> None:
-    """Refuse given postures that hit something.
-
-    Raises:
-        InvalidConfiguration: one does.
-    """
+    """Raise InvalidConfiguration for given postures that hit something."""
     assert problem.around is not None
     for i in np.flatnonzero(problem.has_known).tolist():
         hit = problem.around.hit_at(problem.known[i])

@@ -46,12 +46,9 @@ def in_scene(arm: BodyOwner, packed: PackedArm, scene: Scene, margin: Any) -> In
 
 
 class FreeIntervals(list[Interval]):
-    """Intervals that keep clear of a scene.
+    """Intervals that keep clear of a scene."""
 
-    Attributes:
-        undecided: with real shapes, width of what is forbidden for not having been decided, rad, of all branches.
-    """
-
+    # with real shapes, width of what is forbidden for not having been decided, rad, of all branches
     undecided: float = 0.0
 
 

@@ -34,13 +34,9 @@ _LEAST = 1e-9
 
 
 def kept_apart(shapes: Shapes, T: Array, free: Array, in_range: Array) -> Array:
-    """(n, 3) where these bodies keep the margin, of free intervals of a pose, sorted by branch.
+    """(n, 3) where these bodies keep the margin, of free intervals (m, 3) of a pose, sorted by branch.
 
-    Args:
-        shapes: the arm in its scene.
-        T: (4, 4) the pose.
-        free: (m, 3) the intervals.
-        in_range: (k, 3) those in which ranges of joints keep the bodies apart.
+    In `in_range` (k, 3), the ranges of joints keep the bodies apart.
     """
     rows = []
     for branch in np.unique(free[:, 0]).astype(int).tolist():

@@ -68,13 +68,10 @@ def width(spans: Iterable[Span]) -> float:
 
 
 def certify(look: Callable[[float, float], float], lower: float, upper: float) -> tuple[list[Span], list[Span]]:
-    """The free parts of a part, and those left undecided.
+    """The free parts of a part, from its lower to its upper end, rad, and those left undecided.
 
-    Args:
-        look: of an arm angle and half the width that is asked about: how far around it all angles are free, rad; minus
-            how far around it none is; zero where it is not free, and nothing is known of those around.
-        lower: its lower end, rad.
-        upper: its upper end, rad.
+    `look` tells of an arm angle and half the width that is asked about how far around it all angles are free, rad;
+    minus how far around it none is; zero where it is not free, and nothing is known of those around.
     """
     free: list[Span] = []
     unsure: list[Span] = []

@@ -73,11 +73,7 @@ class Surroundings:
     # Intervals ----------------------------------------------------------------------------------------------------
 
     def feasible(self, T: Array, respect: bool) -> Array:
-        """(n, 3) intervals of a pose that keep the limits, whatever they hit: branch, lower, upper.
-
-        Raises:
-            InvalidPose: the pose is no finite rigid transform.
-        """
+        """(n, 3) intervals of a pose that keep the limits, whatever they hit: branch, lower, upper."""
         return self._intervals(self.packed.family, T, respect)
 
     def in_range(self, T: Array, found: Array, respect: bool) -> Array:
@@ -112,11 +108,7 @@ class Surroundings:
         return self._intervals(limits.family, T, True)
 
     def all_free(self, T: Array, respect: bool, more: float = 0.0) -> Array:
-        """(n, 3) all free intervals of a pose, with so much more than the margin left, m.
-
-        Raises:
-            InvalidPose: the pose is no finite rigid transform.
-        """
+        """(n, 3) all free intervals of a pose, with so much more than the margin left, m."""
         return self.free_and_undecided(T, respect, more)[0]
 
     def free_and_undecided(self, T: Array, respect: bool, more: float = 0.0) -> tuple[Array, float]:

@@ -40,13 +40,7 @@ _INSIDE = 1e-9
 
 
 def solve_task(
-    around: Surroundings,
-    task: Task,
-    side: Side,
-    respect: bool,
-    tie: Tie,
-    threads: int | None,
-    seed: ArrayLike | None,
+    around: Surroundings, task: Task, side: Side, respect: bool, tie: Tie, threads: int | None, seed: ArrayLike | None
 ) -> TaskSolution | BatchTaskSolution:
     """See `Arm.solve_task`."""
     arm = around.packed

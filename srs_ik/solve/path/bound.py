@@ -67,13 +67,9 @@ class Front:
 
 
 def least_sum(problem: Problem, q: Array, value: float, may_leap: bool) -> float:
-    """What the squared joint steps of any path sum up to at least.
+    """What the squared joint steps of any path sum up to at least, with breaks or (unless it `may_leap`) without.
 
-    Args:
-        problem: the path that is asked for.
-        q: (n, 7) one that is found; NaN where it reaches no posture.
-        value: what its squared joint steps sum up to.
-        may_leap: whether paths with breaks count too.
+    Those of a path `q` (n, 7) that is found, NaN where it reaches no posture, sum up to `value`.
     """
     if not value > 0.0:
         return 0.0

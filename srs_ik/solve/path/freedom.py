@@ -65,13 +65,7 @@ SAME = 1e-6
 
 
 def solve_free_path(problem: Problem, free: FreeAxis, find: Callable[[Array], PathSolution]) -> PathSolution:
-    """A path through poses that leave a turn free.
-
-    Args:
-        problem: the path that is asked for, as if its poses were whole.
-        free: what they leave free.
-        find: a path through whole poses.
-    """
+    """A path through poses that leave a turn free; `problem` is as if they were whole, `find` a path through such."""
     arm, T, start = problem.arm, problem.T, problem.seed
     # The first pose as the arm may meet it from where it is.
     nearest = None if start is None else solve(arm, T[0], free, start, True)
@@ -121,12 +115,7 @@ def best_of(
 ) -> PathSolution:
     """The best one of some paths, of those that go on from their ends, and of those near all of these.
 
-    Args:
-        problem: the path that is asked for.
-        free: what its poses leave free.
-        first: (7,) posture of the first pose from which one goes on, or None.
-        ways: paths.
-        moved: (n, 7) postures of paths on all poses.
+    One goes on from `first` (7,), a posture of the first pose, if given; `moved` (n, 7) are postures on all poses.
     """
     arm, T, start = problem.arm, problem.T, problem.seed
     best = min(ways, key=lambda way: (int((~way.ok).sum()), len(way.breaks), _value(problem, way.q)))
@@ -154,11 +143,7 @@ def wandered_way(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """(n, 7) a path by postures all over what poses leave free, and (n,) which of these are met.
 
-    Args:
-        problem: the path that is asked for.
-        free: what its poses leave free.
-        known: (n, 7) postures where nothing meets the pose.
-        can_be: (n,) where something does.
+    Where nothing meets the pose, `known` (n, 7) are its postures; where something does, `can_be` (n,) says.
     """
     arm, T, q = problem.arm, problem.T, known.copy()
     ways = change_of(turned_along(T, free), float(arm.family[LIMITED, FAR]))

@@ -71,13 +71,9 @@ def find_narrow(
 ) -> tuple[Way, list[Block]]:
     """The best way through fine strips of what a path may touch that costs as little as is asked for, and these strips.
 
-    Args:
-        problem: the path that is asked for, on an exact limb.
-        keys: (k,) the poses that count.
-        blocks: their strips, as they were planned.
-        rest: what a path costs from their postures on, by `costs_to_end`, and what it may cost.
-        more: (n,) other poses that count then.
-        asked: what is asked for in fine strips, and how fine they are, if it is more than by `problem`.
+    On an exact limb: `keys` (k,) are the poses that count, `more` (n,) others that count then, `blocks` their strips as
+    they were planned, `rest` what a path costs from their postures on, by `costs_to_end`, and what it may cost. Where
+    it is more than by `problem`, `asked` says what fine strips are to have, and how fine they are.
     """
     parts = [kept(block, costs, rest.most) for block, costs in zip(blocks, rest.after, strict=True)]
     rows, poses = np.vstack([part.rows for part in parts]), np.concatenate([part.poses for part in parts])

@@ -64,48 +64,32 @@ class Stopped(Exception):
 
 @dataclass
 class Problem:
-    """A path to be found.
+    """A path to be found."""
 
-    Attributes:
-        arm: the arm.
-        T: (n, 4, 4) poses.
-        seed: (7,) posture before the first one, or None.
-        settings: (SETTINGS, 7), see the kernels of the programme.
-        limited: whether there are velocity limits.
-        known: (n, 7) postures that are given.
-        has_known: (n,) where they are.
-        near: (n, 7) postures around which strips are finer.
-        spacing: of fine strips, rad, of all or of each (n,): joints move no farther from a posture to the next.
-        held: (h, HELD) postures that are known already.
-        held_of: (h,) to which poses they belong, in order.
-        held_alone: (n,) where they are all postures of their pose, and not some that strips miss; None: nowhere.
-        radius: how far around, rad, of all or of each (n,); 0: nowhere.
-        objective: what is to be least.
-        in_closed_form: whether to go by the nearest exact limb of a near one.
-        acceleration: (7,) limits of joint accelerations, rad/s^2, within which the time is to be least; None: none.
-        stop: (1,) set by another thread where nobody wants the answer any more.
-        around: what must not be touched; None for nothing.
-        free: of each pose the (k, 3) intervals that strips may have, None for all; with `around`, those clear of it.
-    """
-
-    arm: PackedArm
-    T: Array
-    seed: Array | None
-    settings: Array
-    limited: bool
-    known: Array
-    has_known: NDArray[np.bool_]
-    near: Array
-    radius: float | Array = 0.0
+    arm: PackedArm  # the arm
+    T: Array  # (n, 4, 4) poses
+    seed: Array | None  # (7,) posture before the first one, or None
+    settings: Array  # (SETTINGS, 7), see the kernels of the programme
+    limited: bool  # whether there are velocity limits
+    known: Array  # (n, 7) postures that are given
+    has_known: NDArray[np.bool_]  # (n,) where they are
+    near: Array  # (n, 7) postures around which strips are finer
+    radius: float | Array = 0.0  # how far around, rad, of all or of each (n,); 0: nowhere
+    # of fine strips, rad, of all or of each (n,): joints move no farther from a posture to the next
     spacing: float | Array = NEAR_SPACING
-    objective: str = SUM_OF_SQUARES
-    in_closed_form: bool = False
+    objective: str = SUM_OF_SQUARES  # what is to be least
+    in_closed_form: bool = False  # whether to go by the nearest exact limb of a near one
+    # (7,) limits of joint accelerations, rad/s^2, within which the time is to be least; None: none
     acceleration: Array | None = None
+    # (1,) set by another thread where nobody wants the answer any more
     stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
-    held: Array = field(default_factory=lambda: np.empty((0, HELD)))
+    held: Array = field(default_factory=lambda: np.empty((0, HELD)))  # (h, HELD) postures that are known already
+    # (h,) to which poses they belong, in order
     held_of: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    # (n,) where they are all postures of their pose, and not some that strips miss; None: nowhere
     held_alone: NDArray[np.bool_] | None = None
-    around: Surroundings | None = None
+    around: Surroundings | None = None  # what must not be touched; None for nothing
+    # of each pose the (k, 3) intervals that strips may have, None for all; with `around`, those clear of it
     free: Sequence[Array | None] | None = None
 
     @property

@@ -43,15 +43,10 @@ JUST_WITHIN = 0.998
 
 
 def relaxed(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | None, longest: Array) -> Array:
-    """(n, 7) the best path near one by the sum of squared steps, that from the start included.
+    """(n, 7) the best path near one, q (n, 7), by the sum of squared steps, that from the start included.
 
-    Args:
-        arm: the arm.
-        T: (n, 4, 4) poses.
-        free: what they leave free.
-        q: (n, 7) the path.
-        start: (7,) posture before the first one, or None.
-        longest: (7,) longest joint steps, rad: longer ones become shorter where that goes.
+    `free` is what poses T leave free, `start` (7,) the posture before the first one, or None. Joint steps beyond
+    `longest` (7,), rad, become shorter where that goes.
     """
     longest = JUST_WITHIN * longest
     value = _cost(q, start, longest)

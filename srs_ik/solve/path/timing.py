@@ -25,12 +25,9 @@ ROUNDS = 6
 
 
 def passing_times(steps: Array, velocity: Array, acceleration: Array) -> Array:
-    """(N,) times at which a path passes its poses, s, the first one at 0.
+    """(N,) times at which a path of joint steps (N - 1, 7) passes its poses, s, the first one at 0.
 
-    Args:
-        steps: (N - 1, 7) joint steps, rad.
-        velocity: (7,) largest joint velocities, rad/s.
-        acceleration: (7,) largest joint accelerations, rad/s^2.
+    Largest joint velocities (7,) and accelerations (7,) are in rad/s and rad/s^2.
     """
     if not len(steps) or np.abs(steps).max() < STILL:
         return np.zeros(len(steps) + 1)

@@ -83,8 +83,7 @@ def _draw(paths: dict[str, list[Array]], middle: Array, figures: dict[str, Any])
         arrival = found["arrival_s"]["median"]
         when = f"within 1 mm after {arrival:.2f} s" if arrival < 0.99 * SECONDS else f"not there after {SECONDS:g} s"
         axes.set_title(
-            f"{NAMES[kind]}\n{when}, {100.0 * found['off_the_line']['median']:.0f} % off the line",
-            fontsize=9,
+            f"{NAMES[kind]}\n{when}, {100.0 * found['off_the_line']['median']:.0f} % off the line", fontsize=9
         )
         axes.set_aspect("equal")
     for axes in figure.axes[3:]:

@@ -15,10 +15,6 @@ _LAWS = words("kp kv dampratio timeconst")
 def joint_efforts(root: Element, read: Reader) -> dict[str, float]:
     """The force or torque, N or N m, that the actuators of each joint reach to both sides; inf where it has no limit.
 
-    Args:
-        root: the element ``<mujoco>``.
-        read: reads its attributes.
-
     Raises:
         InvalidRobot: a figure is none, or a class is not defined.
     """

@@ -52,27 +52,16 @@ _SHORTEST = 1e-9
 
 @dataclass(frozen=True)
 class Compiler:
-    """Settings for a whole file.
+    """Settings for a whole file."""
 
-    Attributes:
-        degrees: whether angles are in degrees.
-        eulerseq: axes of Euler angles; small letters turn with the body, capitals stay.
-        autolimits: whether a range says that a joint is limited.
-        others: every attribute as it stands.
-    """
-
-    degrees: bool
-    eulerseq: str
-    autolimits: bool
-    others: Attributes
+    degrees: bool  # whether angles are in degrees
+    eulerseq: str  # axes of Euler angles; small letters turn with the body, capitals stay
+    autolimits: bool  # whether a range says that a joint is limited
+    others: Attributes  # every attribute as it stands
 
 
 class Reader:
-    """Reads attributes; the file's label goes into every message.
-
-    Args:
-        root: the element ``<mujoco>`` with everything in it.
-        label: what error messages call the file.
+    """Reads attributes below the element ``<mujoco>``; the file's label goes into every message.
 
     Raises:
         InvalidRobot: a setting of the compiler or a default class makes no sense.

@@ -37,33 +37,19 @@ _REPEATED = frozenset({"geom", "camera", "light"})
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """A joint of a body.
+    """A joint of a body."""
 
-    Attributes:
-        name: its name.
-        kind: "hinge", "slide", "ball" or "free".
-        anchor: (3,) a point that it leaves in place, in the frame of its body, metres.
-        axis: (3,) unit vector, in the same frame.
-        lower: lower limit, rad or metres; -inf where there is none.
-        upper: upper limit; inf where there is none.
-        effort: largest force or torque of all actuators on it together, N or N m; inf where the joint says none.
-        ref: position at which the body lies as the file places it, rad or metres.
-        damping: force or torque over speed, N s/m or N m s/rad.
-        friction: dry friction, N or N m.
-        armature: inertia of its rotor, kg or kg m^2.
-    """
-
-    name: str
-    kind: Kind
-    anchor: np.ndarray
-    axis: np.ndarray
-    lower: float
-    upper: float
-    effort: float
-    ref: float
-    damping: float = 0.0
-    friction: float = 0.0
-    armature: float = 0.0
+    name: str  # its name
+    kind: Kind  # "hinge", "slide", "ball" or "free"
+    anchor: np.ndarray  # (3,) a point that it leaves in place, in the frame of its body, metres
+    axis: np.ndarray  # (3,) unit vector, in the same frame
+    lower: float  # lower limit, rad or metres; -inf where there is none
+    upper: float  # upper limit; inf where there is none
+    effort: float  # largest force or torque of all actuators on it together, N or N m; inf where the joint says none
+    ref: float  # position at which the body lies as the file places it, rad or metres
+    damping: float = 0.0  # force or torque over speed, N s/m or N m s/rad
+    friction: float = 0.0  # dry friction, N or N m
+    armature: float = 0.0  # inertia of its rotor, kg or kg m^2
 
 
 @dataclass(eq=False)
@@ -97,11 +83,7 @@ class _Scope(NamedTuple):
 
 
 def read_bodies(root: Element, read: Reader) -> list[Body]:
-    """Every body, parents before children, the world first.
-
-    Args:
-        root: the element ``<mujoco>``.
-        read: reads its attributes.
+    """Every body below the element ``<mujoco>``, parents before children, the world first.
 
     Raises:
         InvalidRobot: an element or attribute that moves things makes no sense or is not understood, a name is used

@@ -21,12 +21,7 @@ _SECTIONS = frozenset(
 def whole(path: Path, content: bytes, label: str) -> Element:
     """The element ``<mujoco>`` of a file, with the elements of included files in the place of each ``<include>``.
 
-    A file that is included is looked for beside the main file, then beside the one that includes it.
-
-    Args:
-        path: the main file.
-        content: what is in it.
-        label: what error messages call it.
+    A file that is included is looked for beside the main file, `path`, then beside the one that includes it.
 
     Raises:
         InvalidRobot: a text is not well-formed, all of them are too large together, a file cannot be read or is

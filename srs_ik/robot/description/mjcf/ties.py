@@ -27,11 +27,6 @@ def tied_joints(root: Element, bodies: Sequence[Body], read: Reader) -> frozense
 
     A constraint with ``active="false"`` does not count.
 
-    Args:
-        root: the element ``<mujoco>``.
-        bodies: its bodies.
-        read: reads its attributes.
-
     Raises:
         InvalidRobot: a constraint is of an unknown kind, or names what is not there.
     """
