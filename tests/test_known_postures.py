@@ -1199,3 +1199,12 @@ def test_no_interval_spans_what_a_shoulder_and_a_wrist_forbid_together(bench, na
         q = rng.uniform(arm.lower, arm.upper)
         q[[1, 5]] = 10.0 ** rng.uniform(-3.3, -2.3) * rng.choice([-1.0, 1.0], 2)
         assert_intervals_are_met(bench, arm, q)
+
+
+def test_steps_that_end_exactly_in_a_singular_wrist_are_numbers():
+    arm, _ = next(islice(subjects()["arms_of"]("random_rounded", 1000, 12100001), 95, None))
+    q = "-1.3101330738123536 3.2192707721250695 -0.3966754333300466 -1.380098003418523 2.2004001470347623 -1e-07 "
+    q = np.array(f"{q} 2.9912556887524215".split(), float)
+    solution = arm.solve(arm.forward_kinematics(q), arm_angle=-3.063102321959748, branch=0)
+    assert solution
+    assert np.isfinite(solution.q).all()

@@ -36,11 +36,20 @@ SHORT = 0.01
 
 SMALLEST = (0.1 * CLOSED) ** 2
 
+AS_NOTHING = 1e-30
+"""What is smaller counts as this where steps divide by it: exactly singular postures make them long, but numbers."""
+
 
 @kernel
 def larger(a, b):
     """The larger of each two floats."""
     return where(a > b, a, b)
+
+
+@kernel
+def inverse(x):
+    """One over each of eight floats, which may be as good as nothing."""
+    return 1.0 / where(abs(x) > AS_NOTHING, x, 0.0 * x + AS_NOTHING)
 
 
 @kernel
@@ -113,7 +122,7 @@ def reduced(P, turns, R, p):
     linear = add(to_position, cross(position, angular))
     inverse5 = cross(a6, a7)
     volume = dot(a5, inverse5)
-    share = 1.0 / volume
+    share = inverse(volume)
     wrist = (scale(share, inverse5), scale(share, cross(a7, a5)), scale(share, cross(a5, a6)))
     s = (
         without_wrist(a1, m1, wrist, m5, m6, m7),
@@ -158,7 +167,7 @@ def newton_step(P, turns, R, p, h, b):
     n1 = dot(s2, g3)
     n2 = dot(s1, g3)
     n3 = dot(s1, g2)
-    share = 1.0 / (e2 * n2 - e1 * n1 - e3 * n3)
+    share = inverse(e2 * n2 - e1 * n1 - e3 * n3)
     d1 = share * (e2 * dot(s, g3) - e3 * dot(s, g2) - e * n1)
     d2 = share * (e3 * dot(s, g1) - e1 * dot(s, g3) + e * n2)
     d3 = share * (e1 * dot(s, g2) - e2 * dot(s, g1) - e * n3)
@@ -196,7 +205,7 @@ def curve_step(P, turns, R, p, d, off):
     n = (dot(s2, g34), -dot(s1, g34), dot(s4, g12), -dot(s3, g12))
     along_curve = with_wrist(made, (0.0, 0.0, 0.0), n[0], n[1], n[2], n[3])
     size2 = dot7(along_curve, along_curve)
-    t = all_times(where(made.volume < 0.0, 0.0 * size2 - 1.0, 0.0 * size2 + 1.0) / root(size2), along_curve)
+    t = all_times(where(made.volume < 0.0, 0.0 * size2 - 1.0, 0.0 * size2 + 1.0) * inverse(root(size2)), along_curve)
     # The shortest way of four joints to what is left of the pose, by the inverse of S S'.
     x = (s1[0], s2[0], s3[0], s4[0])
     y = (s1[1], s2[1], s3[1], s4[1])
@@ -205,7 +214,7 @@ def curve_step(P, turns, R, p, d, off):
     xy, xz, yz = dot_four(x, y), dot_four(x, z), dot_four(y, z)
     c = made.rest
     cx, cy, cz = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
-    share = 1.0 / (xx * cx + xy * cy + xz * cz)
+    share = inverse(xx * cx + xy * cy + xz * cz)
     u = share * (cx * c[0] + cy * c[1] + cz * c[2])
     v = share * (cy * c[0] + (xx * zz - xz * xz) * c[1] + (xy * xz - xx * yz) * c[2])
     w = share * (cz * c[0] + (xy * xz - xx * yz) * c[1] + (xx * yy - xy * xy) * c[2])
