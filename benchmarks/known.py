@@ -127,7 +127,7 @@ def elbows_elsewhere(known: Known, found: srs_ik.BatchSolution, psi: np.ndarray)
     line = tip + R @ known.R_tip.T @ (limb.wrist - known.chain.tip) - limb.shoulder
     length, reach = np.linalg.norm(line, axis=1), limb.upper_arm + limb.forearm
     off_line = np.linalg.norm(np.cross(elbow, line), axis=1) / length
-    half = 0.5 * (np.array([arm.arm_angle(q) for q in found.q]) - psi)
+    half = 0.5 * (np.array([arm.arm_angle(q) if ok else 0.0 for q, ok in zip(found.q, found.ok, strict=True)]) - psi)
     vague = (found.position_error + ROUNDING * reach) / length
     return np.where(found.ok, np.maximum(2.0 * np.abs(np.sin(half)) * off_line / reach - vague, 0.0), 0.0)
 
