@@ -1208,3 +1208,52 @@ def test_steps_that_end_exactly_in_a_singular_wrist_are_numbers():
     solution = arm.solve(arm.forward_kinematics(q), arm_angle=-3.063102321959748, branch=0)
     assert solution
     assert np.isfinite(solution.q).all()
+
+
+MORE_THAN_HALF_A_TURN = {
+    "h1_2_left": "0.710318579938376 1.8576118423365267 -0.6751398512789213 1.5045987785507045 -2.588009983751906 "
+    "-0.19426729147689464 -0.6054057224128593",
+    "iiwa14_experimental": "1.1216527487278345 0.094607262546055 1.7302881308064997 -1e-06 1.7275967185068737 -1e-06 "
+    "-2.165151961955795",
+}
+
+
+@pytest.mark.parametrize("robot", [robot for robot in MORE_THAN_HALF_A_TURN if robot in arms.here(robot)])
+def test_intervals_end_where_the_elbow_passes_by_the_line_on_its_other_side(robot):
+    """Between two samples the arm angle goes on by more than half a turn: intervals went the other way around."""
+    arm = arms.load(robot)
+    pose = arm.forward_kinematics(np.array(MORE_THAN_HALF_A_TURN[robot].split(), float))
+    found = arm.intervals(pose)
+    assert len(found) > 4
+    for one, share in product(found, np.linspace(0.0, 1.0, 41)):
+        psi = one.lower + share * one.width
+        assert arm.solve(pose, arm_angle=psi, branch=one.branch).status == "OK", (one, psi)
+
+
+NEAREST_ON_LINE = [
+    (
+        "-0.9660110404694056 -2.1701430698361626 0.5387529470022083 -1e-11 -3.09999 0.30217282788171484 "
+        "4.430904646576455",
+        "-0.963552723118874 -2.1781855041975726 0.5342220464509713 -0.040372996527970516 -3.0704814402163505 "
+        "0.28369438696752447 4.407488259680151",
+    ),
+    (
+        "-3.1 -0.16763214853789066 2.2691012134650896 0.0 3.1 0.8215141191288065 6.28",
+        "-3.1 -0.1715635585723825 2.2669008444219605 -0.0067595677314203385 3.097266952487304 0.8175947294967613 6.28",
+    ),
+    (
+        "-2.0152669421727722 1e-12 -1.259402517491848 1e-12 -3.1 2.233 6.28",
+        "-2.0153089441243504 -0.0005186217200306033 -1.259693166810799 -0.0004054008178165831 -3.1 2.233 6.28",
+    ),
+]
+
+
+@pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
+@pytest.mark.parametrize(("q", "seed"), NEAREST_ON_LINE)
+def test_at_an_arm_angle_the_nearest_posture_to_a_seed_may_have_its_elbow_on_the_line(q, seed):
+    """Of such elbows the first that was found was asked for, 6 rad away, and only where there was nothing else."""
+    arm, q, seed = arms.load("rm75"), np.array(q.split(), float), np.array(seed.split(), float)
+    for branch in (None, arm.branch(q)):
+        found = arm.solve(arm.forward_kinematics(q), seed=seed, arm_angle=arm.arm_angle(q), branch=branch)
+        assert found.status == "OK"
+        assert np.linalg.norm(found.q - seed) < np.linalg.norm(q - seed) + 1e-3

@@ -13,7 +13,7 @@ from srs_ik.kernels.chain.newton import elbow_across
 from srs_ik.kernels.curves.ends import ON_LIMIT, infeasibility, inside_of_blur, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
-from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, turns_back
+from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, angle_at, rate_at, turns_back
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, phase_of, sine_of
@@ -31,6 +31,12 @@ posture there."""
 
 MOST_CHANGES = 6
 """A middle angle changes sides no more than twice between two samples."""
+
+MOST_BACK = 8
+"""Next to the line S-W an arm angle may turn by half a turn within 2^-8 of the way between two samples."""
+
+FAR_ON = 0.5 * math.pi
+"""Arm angles of two places farther apart than this, rad, may be so the other way around."""
 
 CHANGE_STEPS = 60
 DIP_STEPS = 8
@@ -93,17 +99,25 @@ def met_change(P, by, curve, middle, x, y):
 
 
 @kernel
-def turned_back(P, by, curve, i, told):
-    """Where the arm angle goes back fastest between samples i - 1 and i: parameter, posture, and whether it does."""
-    x, next_x = curve.rows[i - 1, 0], curve.rows[i, 0]
-    share, found = turns_back(told, i, next_x - x)
-    x += share * (next_x - x)
-    if not found:
-        return x, NO_SEED, False
-    q, off = on_curve(P, by, 0, curve, x)
-    q = inside_of_blur(P, by, q, BLURRED)
-    # Where limits cut it off, it is not there.
-    return x, q, off < NO_BRANCH and infeasibility(P, q, by.respect) < ON_LIMIT
+def turned_back(P, by, curve, a, b, again):
+    """The next place from one to another, as `turns_back` takes them, at which the arm angle goes back, if it does.
+
+    No sample lies between the two; `again` is whether it has been asked for places before. Returns the place, its
+    posture, and whether there is one.
+    """
+    place_, q, found = b, NO_SEED, False
+    for _ in range(MOST_BACK):
+        if (found or again) and abs(short_way(place_[1] - a[1])) < FAR_ON:
+            break
+        share, goes_back = turns_back(a, place_)
+        x = a[0] + share * (place_[0] - a[0])
+        there, off = on_curve(P, by, 0, curve, x) if goes_back else (q, NO_BRANCH)
+        there = inside_of_blur(P, by, there, BLURRED) if goes_back else q
+        # Where limits cut it off, it is not there.
+        if off >= NO_BRANCH or infeasibility(P, there, by.respect) >= ON_LIMIT:
+            break
+        place_, q, found = (x, angle_at(P, by, there), rate_at(P, by, there)), there, True
+    return place_, q, found
 
 
 @kernel

@@ -13,6 +13,7 @@ from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
     CHANGE_MIDDLE,
+    MOST_BACK,
     MOST_CHANGES,
     find_changes,
     posture_beside,
@@ -28,8 +29,8 @@ from srs_ik.kernels.curves.told import (
     TOLD_PSI,
     TOLD_RATE,
     angle_at,
+    rate_at,
     tell_samples,
-    turn_at,
     turning_between,
 )
 from srs_ik.kernels.jit import kernel
@@ -105,7 +106,7 @@ def take_turn(P, by, curve, span, passed, x, to):
         before = max(sample_before(curve, span[3]) - 1, curve.first)
         sign = math.copysign(1.0, rise)
         there, _ = on_curve(P, by, 0, curve, span[3])
-        rises = turn_at(P, by, there) * sign > 0.0
+        rises = rate_at(P, by, there) * sign > 0.0
         ends = (span[3], x) if rises else (max(span[2], curve.rows[before, 0]), span[3])
         extend(span, span[3], turning_angle(P, by, curve, ends, psi, sign))
     elif (change if abs(change) > TURNING else rise) * behind < 0.0:
@@ -114,11 +115,14 @@ def take_turn(P, by, curve, span, passed, x, to):
 
 
 @kernel
-def take_back(P, by, curve, span, passed, i, told):
-    """Let a span reach to where the arm angle goes back between samples i - 1 and i, if it does; where it has come."""
-    x, there, found = turned_back(P, by, curve, i, told)
-    if found:
-        change, behind = short_way(angle_at(P, by, there) - passed.psi), turn_at(P, by, there)
+def take_back(P, by, curve, span, passed, a, b):
+    """Let a span reach to where the arm angle goes back between two places, if it does; where it has come."""
+    for i in range(MOST_BACK):
+        a, _, found = turned_back(P, by, curve, a, b, i > 0)
+        if not found:
+            break
+        x, psi, rate = a
+        change, behind = short_way(psi - passed.psi), math.copysign(1.0, rate)
         take_turn(P, by, curve, span, passed, x, (change, behind))
         passed = Passed(passed.psi + change, behind)
         extend(span, x, passed.psi)
@@ -167,17 +171,16 @@ def spans_of_run(P, by, rows, runs, index, room, n):
     branch = int(told[first, TOLD_BRANCH])
     psi = told[first, TOLD_PSI]
     n = open_span(spans, n, index, branch, x, psi)
-    rise = math.copysign(1.0, told[first, TOLD_RATE])
+    last_told = x, psi, told[first, TOLD_RATE]
+    rise = math.copysign(1.0, last_told[2])
     for i in range(first + 1, last):
-        n_changes = find_changes(P, by, curve, i, told, changes)
-        if n_changes == 0:
-            psi, rise = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), i, told)
-        for c in range(n_changes):
+        for c in range(find_changes(P, by, curve, i, told, changes)):
             inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
             outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
             there = posture_beside(P, by, curve, changes[c], inside)
-            change = short_way(angle_at(P, by, there) - psi)
-            behind = turn_at(P, by, there)
+            to = inside, angle_at(P, by, there), rate_at(P, by, there)
+            psi, rise = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), last_told, to)
+            change, behind = short_way(to[1] - psi), math.copysign(1.0, to[2])
             take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), inside, (change, behind))
             psi += change
             extend(spans[n - 1], inside, psi)
@@ -186,14 +189,16 @@ def spans_of_run(P, by, rows, runs, index, room, n):
             branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
             n = open_span(spans, n, index, branch, outside, psi)
             x = outside
-            rise = behind
-        change = short_way(told[i, TOLD_PSI] - psi)
+            rise, last_told = behind, (outside, psi, to[2])
+        to = rows[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]
+        psi, rise = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), last_told, to)
+        change = short_way(to[1] - psi)
         # Two samples with one arm angle have its turn between them, if it rises at one of them alone.
         stays = abs(change) <= TURNING
-        rise = told[i - 1, TOLD_RATE] if stays and n_changes == 0 else rise
-        behind = math.copysign(1.0, told[i, TOLD_RATE]) if stays or i == last - 1 else change
+        rise = last_told[2] if stays else rise
+        behind = math.copysign(1.0, to[2]) if stays or i == last - 1 else change
         take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), rows[i, 0], (change, behind))
-        rise = change
+        rise, last_told = change, to
         psi += change
         x = rows[i, 0]
         extend(spans[n - 1], x, psi)

@@ -93,10 +93,10 @@ def rate_along(P, by, q, way):
 
 
 @kernel
-def turn_at(P, by, q):
-    """Whether the arm angle rises (1.0) or falls (-1.0) along a curve at a posture."""
+def rate_at(P, by, q):
+    """How fast the arm angle changes along a curve at a posture."""
     way, _ = tangent_at(P, by, q)
-    return math.copysign(1.0, rate_along(P, by, q, way))
+    return rate_along(P, by, q, way)
 
 
 @kernel
@@ -138,13 +138,15 @@ def tell_samples(P, by, curve, told):
 
 
 @kernel
-def turns_back(told, i, length):
-    """Whether the arm angle turns around twice between rows i - 1 and i, some length apart, as a cubic foretells it.
+def turns_back(a, b):
+    """Whether the arm angle turns around twice between two places of a curve, as a cubic foretells it.
 
+    Or goes on by more than half a turn, which looks the same. A place is its parameter, arm angle and the rate of that.
     Returns the share of the way at which it goes back fastest, too.
     """
-    begins, ends = length * told[i - 1, TOLD_RATE], length * told[i, TOLD_RATE]
-    change = short_way(told[i, TOLD_PSI] - told[i - 1, TOLD_PSI])
+    (x, psi, rate), (next_x, next_psi, next_rate) = a, b
+    length = next_x - x
+    begins, ends, change = length * rate, length * next_rate, short_way(next_psi - psi)
     half, third = 2.0 * begins + ends - 3.0 * change, begins + ends - 2.0 * change
     if begins * ends <= 0.0 or third == 0.0 or length < SHORTEST:
         return 0.0, False

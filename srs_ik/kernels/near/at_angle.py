@@ -48,6 +48,7 @@ from srs_ik.kernels.near.second_attempts import (
     STRETCHED,
     evaluate_again,
     may_be_on_line,
+    nearest_on_line,
     stretched,
 )
 
@@ -293,17 +294,20 @@ def elbows_in_question(P, target, psi, wanted, goal, lowest, A):
 
 @kernel
 def solve_at_angle(P, target, psi, wanted, goal, J, A):
-    """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost."""
+    """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost.
+
+    An elbow on the line S-W is at every arm angle at once, and may be nearer to a seed than any that is not.
+    """
     found = look_at_angle(P, target, psi, wanted, goal, J, A)
-    if found[2] < OUTSIDE or not goal.seeded or not may_be_on_line(P, target.place):
+    if not goal.seeded or not may_be_on_line(P, target.place):
         return found
-    other = stretched(P, target, psi, wanted, goal, J, A)
+    other = nearest_on_line(P, target, psi, wanted, goal, J, A)
     return other if other[2] < found[2] else found
 
 
 @kernel
 def look_at_angle(P, target, psi, wanted, goal, J, A):
-    """`solve_at_angle`, but for a seed that an elbow on the line S-W alone answers: others may be nearer.
+    """`solve_at_angle`, but for elbows on the line S-W that are nearer to a seed.
 
     A branch of a near limb ends where its curve turns around or goes over into another one, and rounding decides about
     postures there: one at an arm angle that is the same with it is as good, and so is one of the other branch there.

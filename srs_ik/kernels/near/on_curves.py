@@ -17,6 +17,7 @@ from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
     CHANGE_MIDDLE,
+    MOST_BACK,
     MOST_CHANGES,
     find_changes,
     posture_beside,
@@ -36,6 +37,7 @@ from srs_ik.kernels.curves.told import (
     TOLD_RATE,
     angle_at,
     rate_along,
+    rate_at,
     tell_one,
     tell_samples,
     turning_between,
@@ -125,10 +127,16 @@ def put_beside(P, by, x, q, branch, n, followed):
 
 
 @kernel
-def put_back(P, by, curve, i, told, n, followed):
-    """Append a posture where the arm angle goes back between samples i - 1 and i, if it does; the number of rows."""
-    x, q, found = turned_back(P, by, curve, i, told)
-    return put_beside(P, by, x, q, int(told[i, TOLD_BRANCH]), n, followed) if found else n
+def put_back(P, by, curve, place_, n, followed):
+    """Append postures where the arm angle goes back between the last of n rows and a place, if it does: rows."""
+    last = followed.rows[n - 1, 0], followed.told[n - 1, TOLD_PSI], followed.told[n - 1, TOLD_RATE]
+    branch = int(followed.told[n - 1, TOLD_BRANCH])
+    for i in range(MOST_BACK):
+        last, q, found = turned_back(P, by, curve, last, place_, i > 0)
+        if not found:
+            break
+        n = put_beside(P, by, last[0], q, branch, n, followed)
+    return n
 
 
 @kernel
@@ -146,14 +154,16 @@ def told_runs(P, by, samples, n_samples, runs, extent):
         branch = int(told[curve.first, TOLD_BRANCH])
         for i in range(curve.first, curve.last):
             n_changes = find_changes(P, by, curve, i, told, changes) if i > curve.first else 0
-            if n_changes == 0 and i > curve.first:
-                n = put_back(P, by, curve, i, told, n, out)
             for c in range(n_changes):
                 x = changes[c, CHANGE_AT]
                 inside, outside = max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0])
-                n = put_beside(P, by, inside, posture_beside(P, by, curve, changes[c], inside), branch, n, out)
+                q = posture_beside(P, by, curve, changes[c], inside)
+                n = put_back(P, by, curve, (inside, angle_at(P, by, q), rate_at(P, by, q)), n, out)
+                n = put_beside(P, by, inside, q, branch, n, out)
                 branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
                 n = put_beside(P, by, outside, posture_beside(P, by, curve, changes[c], outside), branch, n, out)
+            if i > curve.first:
+                n = put_back(P, by, curve, (samples[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]), n, out)
             if n < room:
                 put_sample(out.rows, n, samples[i, 0], load_sample(samples[i]))
                 copy(row(told, i), row(out.told, n), TOLD)

@@ -8,6 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.descent import THOROUGH, descend
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
@@ -25,7 +26,7 @@ from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.outreach import is_almost_straight
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Best, Setting
+from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import (
     FAR,
     IS_NEAR,
@@ -38,7 +39,7 @@ from srs_ik.kernels.layout.limb import (
     UPPER,
     WRIST,
 )
-from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, draw_to_branch, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
@@ -46,6 +47,7 @@ from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import level_place, put_starts
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.branch_search import close_starts, put_start
+from srs_ik.kernels.near.many_singular import nearest_among_splits
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
@@ -69,6 +71,9 @@ LINE_STARTS = 320
 elsewhere too, where many splits are looked at."""
 
 ELBOW_ALONE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+
+FLAT = 4.0 * ON_LINE
+"""With the elbow bent by less than this, rad, it is on the line S-W, if it is not folded."""
 
 ON_LIMIT = 1e-6
 """An elbow so close to a limit, rad, is on it where it is on the line S-W."""
@@ -298,7 +303,7 @@ def on_line_from(limbs, by, q, goal):
 def stretched(P, target, psi, branch, goal, J, A):
     """A posture whose elbow is on the line S-W, and so at every arm angle at once, if there is any: q, branch, cost.
 
-    Those are looked for first that the nearest exact limb has at an arm angle.
+    Those are looked for first that the nearest exact limb has at an arm angle. With a seed, the nearest of them.
     """
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
@@ -309,17 +314,42 @@ def stretched(P, target, psi, branch, goal, J, A):
     n = put_starts(P, place_, starts, LINE_LOOKS)
     best, own, lowest = goal.seed, max(branch, 0), 2.0 * NO_BRANCH
     for i in range(n):
-        if lowest < OUTSIDE or (goal.respect and violation(P, 3, flat) > 0.0):
+        if (lowest < OUTSIDE and not goal.seeded) or (goal.respect and violation(P, 3, flat) > 0.0):
             break
         q = read7(row(starts, i))
         if i < LINE_LOOKS:
             # What is found at one arm angle is found at all.
-            at, seeded = (psi, goal.seeded) if i == 0 else (2.0 * math.pi * i / (LINE_LOOKS - 1), False)
-            q, _, _ = best_branch(P, place_, at, branch, seeded, goal.seed, goal.respect)
-        q, _ = cost_of_turn(P, q, goal)
+            at = psi if i == 0 else 2.0 * math.pi * i / (LINE_LOOKS - 1)
+            q, _, _ = best_branch(P, place_, at, branch, goal.seeded, goal.seed, goal.respect)
+        q, about = cost_of_turn(P, q, goal)
+        if goal.seeded and about > lowest:
+            continue
         q, value = on_line_from((P, box), by, (q[0], q[1], q[2], flat, q[4], q[5], q[6]), goal)
         if value < lowest and (branch < 0 or is_on_border(P, q, branch)):
             best, own, lowest = q, (branch if branch >= 0 else branch_of(P, q)), value
     keep(boxes)
     keep(starts)
     return best, own, lowest
+
+
+@kernel
+def nearest_on_line(P, target, psi, branch, goal, J, A):
+    """The posture nearest to a seed whose elbow is on the line S-W: q, branch, cost."""
+    boxes = np.empty((2, SIZE))
+    box, drawn = row(boxes, 0), row(boxes, 1)
+    best = stretched(P, target, psi, branch, goal, J, A)
+    flat = hold_elbow(P, target.place, goal.respect, box)
+    # Curves of the true chain pass next to where the elbow is flat.
+    lower, upper = flat - FLAT, flat + FLAT
+    box[LOWER + 3] = max(lower, min(P[LOWER + 3], flat)) if goal.respect else lower
+    box[UPPER + 3] = min(upper, max(P[UPPER + 3], flat)) if goal.respect else upper
+    if best[2] < OUTSIDE and branch >= 0 and draw_to_branch(box, branch, best[0], drawn):
+        copy(drawn, box, SIZE)
+    if best[2] < OUTSIDE:
+        within = Goal(True, goal.seed, True)
+        q, _, _ = nearest_among_splits(box, target, within, best)
+        q, value = descend(box, q, target, within, THOROUGH, (J, A))
+        if value < best[2] and is_on_line(P, q, target.place) and (branch < 0 or is_on_border(P, q, branch)):
+            best = q, (branch if branch >= 0 else branch_of(P, q)), value
+    keep(boxes)
+    return best
