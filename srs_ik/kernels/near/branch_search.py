@@ -22,6 +22,7 @@ from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, PHASE, SHOULDER, S
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.surface import MOST_MISS
 
 NEAR = 15.0
 """A middle angle is next to a singularity if its sine is below so many times what axes miss, a part of the reach."""
@@ -114,7 +115,8 @@ def close_starts(P, target, psi, branch, goal, best, steps, A):
 def search_branch(P, target, psi, branch, goal, A):
     """A posture of a branch at an arm angle, next to a singularity: inside the limits if there is one, near a seed.
 
-    Returns the posture and its cost (NO_BRANCH or more where none is found, or one part alone is singular).
+    Returns the posture and its cost (NO_BRANCH or more where none is found, one part alone is singular, or the limb
+    misses by too much for a surface).
     """
     place_ = target.place
     near = min(WIDEST, NEAR_STRAIGHT * math.sqrt(2.0 * P[COSINE_OFF]))
@@ -129,7 +131,8 @@ def search_branch(P, target, psi, branch, goal, A):
     near_w = abs(math.sin(start[5] - phase_w)) < near
     count = int(straight) + int(near_s) + int(near_w)
     best = Best(start, 2.0 * NO_BRANCH)
-    if count < 2:
+    # Limbs that miss by more have no surface: curves tell all that there is.
+    if count < 2 or P[MISS] > MOST_MISS * P[FAR]:
         return best
     turns = 1 + TURNS * (len(BENDS) >> (count - 1))
     starts_s = turns if near_s else 1
