@@ -427,7 +427,7 @@ def least_time(call):
     return min(times)
 
 
-def test_limbs_without_surfaces_are_not_searched_from_starts_all_over():
+def test_limbs_without_surfaces_are_not_searched_from_bends_all_over():
     """By the ratio to another question of the same pose: 31 with the search."""
     arm = arms.load("gen3")
     pose = arm.forward_kinematics(NO_POSTURE)

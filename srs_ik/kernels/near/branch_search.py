@@ -115,12 +115,12 @@ def close_starts(P, target, psi, branch, goal, best, steps, A):
 def search_branch(P, target, psi, branch, goal, A):
     """A posture of a branch at an arm angle, next to a singularity: inside the limits if there is one, near a seed.
 
-    Returns the posture and its cost (NO_BRANCH or more where none is found, one part alone is singular, or the limb
-    misses by too much for a surface).
+    Returns the posture and its cost (NO_BRANCH or more where none is found, or one part alone is singular).
     """
     place_ = target.place
     near = min(WIDEST, NEAR_STRAIGHT * math.sqrt(2.0 * P[COSINE_OFF]))
-    straight = place_[3] < near
+    # Limbs that miss by more have no surface: where the elbow is straight, curves tell all that there is.
+    straight = place_[3] < near and P[MISS] <= MOST_MISS * P[FAR]
     if not straight:
         near = min(WIDEST, NEAR * P[MISS] / P[FAR])
     elbow_starts(P, place_, psi, branch >> 2, False, NO_SEED, False, A, 0)
@@ -131,8 +131,7 @@ def search_branch(P, target, psi, branch, goal, A):
     near_w = abs(math.sin(start[5] - phase_w)) < near
     count = int(straight) + int(near_s) + int(near_w)
     best = Best(start, 2.0 * NO_BRANCH)
-    # Limbs that miss by more have no surface: curves tell all that there is.
-    if count < 2 or P[MISS] > MOST_MISS * P[FAR]:
+    if count < 2:
         return best
     turns = 1 + TURNS * (len(BENDS) >> (count - 1))
     starts_s = turns if near_s else 1
