@@ -402,3 +402,43 @@ def test_self_motions_of_gen3_upright_are_met(tilt):
         assert motion.ok.all()
         for q in motion.q[::15]:
             assert max(arm.verify(pose, q)) < SOLVED
+
+
+NEXT_TO_STRAIGHT = [
+    -1.8750320754855423,
+    1.7945477717571028,
+    -0.528316598677927,
+    1.566795905532185,
+    -1.5157244395535339,
+    -0.02170325411846874,
+    0.06267383714759878,
+]
+NO_POSTURE = [-0.9240349946328372, 0.030466891423027498, 2.668738330649793, 0.03233886178239809,
+              1.8123424990595671, 0.10387756299706608, 1.9950922896221375]  # fmt: skip
+
+
+def least_time(call):
+    """Of seven calls, in this thread alone."""
+    times = []
+    for _ in range(7):
+        start = time.thread_time()
+        call()
+        times.append(time.thread_time() - start)
+    return min(times)
+
+
+def test_limbs_without_surfaces_are_not_searched_from_bends_all_over():
+    """By the ratio to another question of the same pose: 31 with the search."""
+    arm = arms.load("gen3")
+    pose = arm.forward_kinematics(NO_POSTURE)
+    assert not arm.solve_all(pose, arm_angle=0.3)
+    assert least_time(lambda: arm.solve_all(pose, arm_angle=0.3)) < 12.0 * least_time(lambda: arm.intervals(pose))
+
+
+@pytest.mark.parametrize("name", arms.here("h1_2_left"))
+def test_no_curves_are_looked_for_along_splits_of_elbows_that_stay_bent(name):
+    """By the ratio to a pose with the same shoulder and wrist, and the elbow well bent: 7.6 with these starts."""
+    arm = arms.load(name)
+    bent = [*NEXT_TO_STRAIGHT[:3], 0.5, *NEXT_TO_STRAIGHT[4:]]
+    pose, other = (arm.forward_kinematics(q) for q in (NEXT_TO_STRAIGHT, bent))
+    assert least_time(lambda: arm.intervals(pose)) < 5.0 * least_time(lambda: arm.intervals(other))

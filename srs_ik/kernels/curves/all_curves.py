@@ -52,9 +52,11 @@ from srs_ik.kernels.curves.outreach import (
     TURNS,
     best_bends,
     curvature_of,
+    is_almost_straight,
     may_be_straight,
     next_turn,
     put_reaches,
+    splits_with_ends,
     way_of,
 )
 from srs_ik.kernels.jit import kernel
@@ -63,7 +65,7 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.surface import level_place, put_midway, put_starts
+from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_midway, put_starts
 
 STARTS = 8
 STARTS_OBLIQUE = 48
@@ -322,8 +324,10 @@ def follow_all(P, by, rows, curves):
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
     around = np.empty((4 * MOST_TURNS, REACH)), np.full(4, TURNS)
     known = 0
+    ends = EVERY_SPLIT if is_almost_straight(P, by.target.place) else 0
     if may_be_straight(P, by.target.place):
         known, clear = put_reaches(P, by.target, around[0])
+        ends = splits_with_ends(around[0])
         if clear == 0b1111 and not oblique:
             count = lay_curves(P, by, around, rows, curves)
             if count >= 0:
@@ -337,7 +341,8 @@ def follow_all(P, by, rows, curves):
     n = 0
     count = 0
     n_marks, n_off, signs = put_marks(P, by, angles[:n_angles], oblique, marks, missed)
-    n_surface = put_starts(P, by.target.place, missed, put_splits(P, by.target, by.J, missed, n_off))
+    n_splits = put_splits(P, by.target, by.J, missed, n_off)
+    n_surface = put_starts(P, by.target.place, ends, missed, n_splits)
     alone = np.empty((MOST_LEFT, CENTRE))
     n_outer = put_outermost(P, by, signs & known, around, missed, n_surface)
     n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))

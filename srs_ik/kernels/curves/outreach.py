@@ -172,6 +172,27 @@ def put_reaches(P, target, reaches):
 
 
 @kernel
+def splits_with_ends(reaches):
+    """The splits along which the elbow may become flat, as bits in the order of `put_starts`.
+
+    Along one, the sign of its shoulder or wrist changes. Room is between what it is at all turns with both signs, or
+    beside it by no more than these differ.
+    """
+    which = 0
+    for i in range(4):
+        a, b = (i, i + 2) if i < 2 else (2 * i - 4, 2 * i - 3)
+        least = most = reaches[MOST_TURNS * a, REACH_ROOM]
+        rest = 0.0
+        for k in range(2 * TURNS):
+            room = reaches[MOST_TURNS * (a if k < TURNS else b) + k % TURNS, REACH_ROOM]
+            least, most, rest = min(least, room), max(most, room), rest + 0.0 * room
+        # Where a room is no number, nothing is told.
+        if not (rest == 0.0 and (2.0 * least > most or 2.0 * most < least)):
+            which |= 1 << i
+    return which
+
+
+@kernel
 def put_best(rows, found):
     """Write what `best_bends` tells into eight rows."""
     q, room, rise, turning, bending = found

@@ -56,6 +56,9 @@ FIRST = 24
 STARTS, STARTS_ONE = 40, 16
 """So many postures of a part are where curves may be found, and of one with a flat elbow and a single way."""
 
+EVERY_SPLIT = 0b1111
+"""All of the splits that `put_starts` names."""
+
 MOST_PARTS = 32
 PART = 7
 PART_ELBOW, PART_LEVEL, PART_PSI, PART_EVERYWHERE, PART_SIGNS, PART_SHOULDER, PART_WRIST = range(PART)
@@ -327,21 +330,38 @@ def has_surface(P, place_):
 
 
 @kernel
-def put_starts(P, place_, starts, n):
-    """Append postures of the surface, from which curves may be found; their number.
+def number_of_starts(part, ends):
+    """From how many postures of a part curves are looked for; `ends` are the splits along which a flat elbow may bend.
 
     With a flat elbow, two curves come together all around, and one more way is enough to connect others.
+    """
+    signs, level = int(part[PART_SIGNS]), part[PART_LEVEL] == 1.0
+    if level and part[PART_SHOULDER] + part[PART_WRIST] == 1.0:
+        split_ = signs & 1 if part[PART_SHOULDER] == 1.0 else 2 + (signs >> 1)
+        if (ends >> split_) & 1 == 0:
+            return 0
+    return STARTS if ways_of(part) > 1 else (STARTS_ONE if level else 0)
+
+
+@kernel
+def put_starts(P, place_, ends, starts, n):
+    """Append postures of the surface, from which curves may be found; their number.
+
+    `ends` are, as bits, the splits along which the elbow may become flat: of the shoulder, with either sign of the
+    wrist, and of the wrist, with either sign of the shoulder.
     """
     widths = widths_for_curves(P, place_)
     if not may_have_surface(P, place_, widths):
         return n
+    if place_[3] <= widths[0]:
+        # The flat elbow stands for the bent one, too.
+        ends = EVERY_SPLIT
     boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
     wide = row(boxes, 0)
     goal = Goal(False, NO_SEED, False)
     for k in range(find_parts(P, wide, place_, widths, parts)):
         part = row(parts, k)
-        few = STARTS_ONE if part[PART_LEVEL] == 1.0 else 0
-        for i in range(STARTS if ways_of(part) > 1 else few):
+        for i in range(number_of_starts(part, ends)):
             if n < starts.shape[0]:
                 q = posture_on((P, wide), place_, part, i, goal)
                 store7(row(starts, n), 0, q)

@@ -44,7 +44,7 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.surface import level_place, put_starts
+from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_starts
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.branch_search import close_starts, put_start
 from srs_ik.kernels.near.many_singular import nearest_among_splits
@@ -311,7 +311,7 @@ def stretched(P, target, psi, branch, goal, J, A):
     place_ = level_place(target.place)
     by = Setting(target, elbow_side(P, place_, 0), goal.respect, J, A)
     starts = np.empty((LINE_LOOKS + LINE_STARTS, 7))
-    n = put_starts(P, place_, starts, LINE_LOOKS)
+    n = put_starts(P, place_, EVERY_SPLIT, starts, LINE_LOOKS)
     best, own, lowest = goal.seed, max(branch, 0), 2.0 * NO_BRANCH
     for i in range(n):
         if (lowest < OUTSIDE and not goal.seeded) or (goal.respect and violation(P, 3, flat) > 0.0):
