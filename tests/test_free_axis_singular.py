@@ -106,3 +106,68 @@ def test_a_sum_of_three_joints_is_shared_evenly_though_a_search_begins_with_one_
     found = arm.solve(T, seed=seed, free_axis=free)
     assert found, found.message
     assert np.linalg.norm(found.q - seed) <= np.linalg.norm(known - seed) + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "q", "seed"),
+    [
+        (
+            "iiwa14",
+            [-1.460572632525775, 0.0, -0.21300587387669667, 1e-05, -0.06073508203727318, -0.7321716936727332, 0.0],
+            [-1.46041252, -9.849e-05, -0.21286029, -0.00112463, -0.06062089, -0.73028171, -0.97501762],
+        ),
+        (
+            "iiwa14",
+            [2.8036265361471697, 0.0, -2.2688078958650606, 1e-05, 0.8984425425656566, 0.3959265137853927, 0.0],
+            [2.75568821, 0.00055839, -2.27826437, -0.02374161, 0.91068241, 0.29958358, 0.73832877],
+        ),
+        (
+            "gen3",
+            [2.3209112261846645, -1.3423398582778736, 1.622827117509889, 0.0, 2.535283880475318, 1e-05, 0.0],
+            [2.30031077, -1.34625873, 1.60727021, 0.0789377, 2.57359073, 0.00285689, -2.46859113],
+        ),
+        (
+            "rm75",
+            [0.14242145537293327, 0.0, 2.754908378838756, 0.3109440507658534, -0.7916024269088577, 0.0, 0.0],
+            [0.08288795, -0.08710005, 2.88737439, 0.33260867, -0.85204136, 0.02570727, 2.96569805],
+        ),
+        (
+            "rm75",
+            [
+                -0.2559748505932027,
+                -1.480494967032308,
+                2.2012331928482713,
+                2.355,
+                0.7132407396810851,
+                0.4700086989979,
+                0.0,
+            ],
+            [-0.26978357, -1.49161604, 2.17091124, 2.32674081, 0.73339591, 0.45522723, 0.20341948],
+        ),
+        (
+            "rm75",
+            [
+                -2.5233263349482753,
+                2.1258930040480717,
+                2.5848136952997023,
+                -2.355,
+                -0.599709543381486,
+                -0.505660128137,
+                0.0,
+            ],
+            [-2.51579188, 2.18832845, 2.53781107, -2.355, -0.56431947, -0.49704161, 1.50035527],
+        ),
+    ],
+)
+def test_with_the_roll_of_joint_7_free_the_answer_is_no_farther_than_a_posture_whose_joint_7_is_the_seeds(
+    name, q, seed
+):
+    """Next to singular joints, and with the elbow of rounded figures on its limit."""
+    arm = arms.load(name)
+    own = arms.forward(name)(np.zeros(7)).rotation.T @ arm.jacobian(np.zeros(7))[3:, 6]
+    pose = arms.forward(name)(np.array(q)).homogeneous
+    known = np.array([*q[:6], seed[6]])
+    for cone in (0.0, 1e-6):
+        found = arm.solve(pose, seed=seed, free_axis=FreeAxis(own, cone=cone))
+        assert found, found.message
+        assert np.linalg.norm(found.q - seed) <= np.linalg.norm(known - seed) + 1e-6

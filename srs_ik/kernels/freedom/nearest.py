@@ -16,9 +16,8 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.constraints import THIN, equations
 from srs_ik.kernels.freedom.elimination import RHS, ROOM_ROW
-from srs_ik.kernels.freedom.queue import APART, NONE_LEFT, change_places, line_up, take_next
 from srs_ik.kernels.freedom.settle import HELD_BACK, NO_FORCE, bounded_step, distance, led_to, onto_pose, settle
-from srs_ik.kernels.freedom.starts import NO_NEARER
+from srs_ik.kernels.freedom.starts import APART, NO_NEARER, NONE_LEFT, change_places, line_up, take_next
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_STARTS, MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking

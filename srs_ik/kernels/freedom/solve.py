@@ -10,9 +10,9 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.freedom.nearest import CLOSE, beside, nearest
-from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT
 from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, led_to, onto_pose, settle
-from srs_ik.kernels.freedom.starts import is_loose, starts_of_roll, starts_of_turns
+from srs_ik.kernels.freedom.seventh import hides_postures, with_roll_held
+from srs_ik.kernels.freedom.starts import MOST_ATTEMPTS, NONE_LEFT, is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
 from srs_ik.kernels.jit import kernel
@@ -52,13 +52,16 @@ def liking_of(family, P, goal):
 
 
 @kernel
-def found_posture(P, pose, given, goal, liking, desk):
+def found_posture(family, P, pose, given, goal, liking, desk):
     """The posture nearest to a seed, or without one farthest from the limits."""
     none = Found(liking.posture, NONE_LEFT, False)
     if goal.seeded:
         known, alone = beside(P, pose, given[0], liking, desk)
         if alone:
             return known
+        if given[0].cone <= THIN and is_loose(P, given[0].axis) and hides_postures(P, pose):
+            other = with_roll_held(family, P, pose, given[0], goal, liking, desk)
+            known = other if other.cost < known.cost else known
         # One that is farther ends no other search: at singular shoulders and wrists these go a long way round.
         found = nearest_of_all(P, pose, given, liking, known if known.cost < CLOSE * CLOSE else none, desk)
         return known if known.cost < found.cost else found
@@ -135,7 +138,7 @@ def solve_free(family, T, free, goal, desk, out):
         return verdict
     P = row(family, LIMITED if goal.respect else FREE)
     liking = liking_of(family, P, goal)
-    found = found_posture(P, (R, p), free, goal, liking, desk)
+    found = found_posture(family, P, (R, p), free, goal, liking, desk)
     found = closed_up(P, found, (R, p), free[0], liking, desk)
     out[ROW_STATUS] = UNREACHABLE
     if found.met:

@@ -11,10 +11,20 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.farthest import farthest_of_all
 from srs_ik.kernels.freedom.constraints import THIN
-from srs_ik.kernels.freedom.queue import APART, MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
 from srs_ik.kernels.freedom.settle import onto_pose
 from srs_ik.kernels.freedom.shares import largest_share, share_of
-from srs_ik.kernels.freedom.starts import NO_WIDER, OUT_OF_REACH, is_loose, starts_of_roll, starts_of_turns
+from srs_ik.kernels.freedom.starts import (
+    APART,
+    MOST_ATTEMPTS,
+    NO_WIDER,
+    NONE_LEFT,
+    OUT_OF_REACH,
+    is_loose,
+    line_up,
+    starts_of_roll,
+    starts_of_turns,
+    take_next,
+)
 from srs_ik.kernels.freedom.widen import widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
