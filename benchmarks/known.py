@@ -1,6 +1,6 @@
 """Whether postures at and next to singular ones are in an interval, and arm angles of intervals are met.
 
-python benchmarks/known.py [--count 1000] [--seed 0] [--robot iiwa14] [--kind singular] [--limits 0.3]
+python benchmarks/known.py [--count 1000] [--seed 0] [--robot iiwa14] [--kind singular] [--limits 0.3] [--off next]
 
 Kinds: singular (shoulder, elbow and wrist), outer (shoulder and wrist alone), ordinary (none of them but by chance),
 limits (none of them, one to three joints on limits).
@@ -21,7 +21,7 @@ from dataclasses import replace
 from itertools import islice
 
 import numpy as np
-from singular import ON_LIMITS, TOGETHER, Case, Known, anywhere, cases, put_on_limits, singular_angles, told
+from singular import OFF, ON_LIMITS, TOGETHER, Case, Known, anywhere, cases, put_on_limits, singular_angles, told
 from subjects import arms_of, finish, parser, say
 from swept import wrapped
 
@@ -161,12 +161,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     kinds = ("singular", "outer", "ordinary", "limits")
     made.add_argument("--kind", choices=kinds, default="singular", help="which postures (singular)")
     made.add_argument("--limits", type=float, default=ON_LIMITS, help="part with other joints on limits (0.3)")
+    made.add_argument("--off", choices=tuple(OFF), default="next", help="up to 1e-4 rad, or from there to 0.2 (next)")
     given = made.parse_args(arguments)
     together = TOGETHER if given.kind == "singular" else ((1,), (5,), (1, 5))
     lost, hidden, unmet, other, total, tried = 0, 0, 0, 0, 0, 0
     for arm, count in arms_of(given.robot, given.count, given.seed):
         rng = np.random.default_rng([given.seed, tried])
-        singular = cases(arm, count, rng, together, given.limits)
+        singular = cases(arm, count, rng, together, given.limits, offsets=OFF[given.off])
         known, every = Known(arm), singular
         if given.kind in ("ordinary", "limits"):
             every = ordinary(arm, count, rng, given.kind == "limits")

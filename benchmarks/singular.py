@@ -1,6 +1,6 @@
 """Whether seeded answers at and next to singular poses are the nearest: against descents from all around the seed.
 
-python benchmarks/singular.py [--count 1000] [--seed 0] [--robot iiwa14] [--joints all] [--limits 0.3]
+python benchmarks/singular.py [--count 1000] [--seed 0] [--robot iiwa14] [--joints all] [--limits 0.3] [--off next]
 
 A pose is that of a random configuration whose shoulder, elbow or wrist is singular, or almost, and whose other joints
 may be on limits. What is nearer to a seed than an answer lies in the ball around the seed through that answer. Starts
@@ -26,7 +26,9 @@ from swept import Chain, wrapped
 import srs_ik
 
 OFFSETS = (0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
-"""How far the singular joints are off, rad."""
+BESIDE = tuple(float(off) for off in np.geomspace(1e-4, 0.2, 34))
+OFF = {"next": OFFSETS, "beside": BESIDE}
+"""How far the singular joints are off, rad: next to where they are singular, or farther beside it."""
 
 TOGETHER = ((1,), (3,), (5,), (1, 5), (1, 3), (3, 5), (1, 3, 5))
 """Which joints are singular at once, counted from 0: 1 the shoulder's, 3 the elbow, 5 the wrist's."""
@@ -118,6 +120,7 @@ def cases(
     together: Sequence[tuple[int, ...]] = TOGETHER,
     limits: float = 0.0,
     around: float = 0.0,
+    offsets: Sequence[float] = OFFSETS,
 ) -> Iterator[Case]:
     """Random cases whose posture keeps the limits, a part of them with joints on limits.
 
@@ -129,7 +132,7 @@ def cases(
     together = [joints for joints in together if reached.issuperset(joints)]
     made = 0
     while made < count and together:
-        joints, offset = together[rng.integers(len(together))], OFFSETS[rng.integers(len(OFFSETS))]
+        joints, offset = together[rng.integers(len(together))], offsets[rng.integers(len(offsets))]
         q, on_limits = anywhere(arm, rng), ()
         if limits > 0.0 and rng.random() < limits:
             on_limits = put_on_limits(arm, q, [j for j in range(7) if j not in joints], rng)
@@ -327,12 +330,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     made = parser(__doc__.splitlines()[0], "seeds")
     made.add_argument("--joints", choices=("outer", "all"), default="all", help="shoulder and wrist, or the elbow too")
     made.add_argument("--limits", type=float, default=ON_LIMITS, help="part with other joints on limits (0.3)")
+    made.add_argument("--off", choices=tuple(OFF), default="next", help="up to 1e-4 rad, or from there to 0.2 (next)")
     given = made.parse_args(arguments)
     together = TOGETHER if given.joints == "all" else ((1,), (5,))
     worst, failed, tried = -np.inf, 0, 0
     for arm, count in arms_of(given.robot, given.count, given.seed):
         known, rng = Known(arm), np.random.default_rng([given.seed, tried])
-        for case in cases(arm, count, rng, together, given.limits, AROUND):
+        for case in cases(arm, count, rng, together, given.limits, AROUND, OFF[given.off]):
             away, tried = farther(arm, known, case), tried + 1
             failed += away > WORSE
             worst = max(worst, away)
