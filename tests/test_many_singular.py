@@ -413,8 +413,6 @@ NEXT_TO_STRAIGHT = [
     -0.02170325411846874,
     0.06267383714759878,
 ]
-NO_POSTURE = [-0.9240349946328372, 0.030466891423027498, 2.668738330649793, 0.03233886178239809,
-              1.8123424990595671, 0.10387756299706608, 1.9950922896221375]  # fmt: skip
 
 
 def least_time(call):
@@ -425,14 +423,6 @@ def least_time(call):
         call()
         times.append(time.thread_time() - start)
     return min(times)
-
-
-def test_limbs_without_surfaces_are_not_searched_from_bends_all_over():
-    """By the ratio to another question of the same pose: 31 with the search."""
-    arm = arms.load("gen3")
-    pose = arm.forward_kinematics(NO_POSTURE)
-    assert not arm.solve_all(pose, arm_angle=0.3)
-    assert least_time(lambda: arm.solve_all(pose, arm_angle=0.3)) < 12.0 * least_time(lambda: arm.intervals(pose))
 
 
 @pytest.mark.parametrize("name", arms.here("h1_2_left"))

@@ -22,7 +22,6 @@ from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, PHASE, SHOULDER, S
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.surface import MOST_MISS
 
 NEAR = 15.0
 """A middle angle is next to a singularity if its sine is below so many times what axes miss, a part of the reach."""
@@ -119,8 +118,7 @@ def search_branch(P, target, psi, branch, goal, A):
     """
     place_ = target.place
     near = min(WIDEST, NEAR_STRAIGHT * math.sqrt(2.0 * P[COSINE_OFF]))
-    # Limbs that miss by more have no surface: where the elbow is straight, curves tell all that there is.
-    straight = place_[3] < near and P[MISS] <= MOST_MISS * P[FAR]
+    straight = place_[3] < near
     if not straight:
         near = min(WIDEST, NEAR * P[MISS] / P[FAR])
     elbow_starts(P, place_, psi, branch >> 2, False, NO_SEED, False, A, 0)
