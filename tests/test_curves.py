@@ -17,7 +17,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
 from srs_ik.kernels.curves.follow import CURVE
 from srs_ik.kernels.curves.in_step import SAMPLE
-from srs_ik.kernels.curves.told import TOLD, TOLD_PSI, TOLD_RATE, turns_back
+from srs_ik.kernels.curves.told import turns_back
 from srs_ik.kernels.layout.asked import Setting, Target
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
@@ -131,8 +131,8 @@ def ends_by_steps(arm, pose, q):
 
 
 @numba.njit(error_model="numpy")
-def foretold(told, i, length):
-    return turns_back(told, i, length)
+def foretold(first, last):
+    return turns_back(first, last)
 
 
 @pytest.mark.parametrize("turns", [(0.2, 0.7), (0.45, 0.55), (-0.4, 0.5), (0.3, 1.6)])
@@ -142,10 +142,8 @@ def test_an_arm_angle_that_turns_around_twice_between_samples_is_foretold(turns)
     length, scale = 0.3, 0.4
     rate = np.polynomial.Polynomial.fromroots(turns) * scale
     angle = rate.integ()
-    told = np.zeros((2, TOLD))
-    told[:, TOLD_RATE] = rate(0.0) / length, rate(1.0) / length
-    told[:, TOLD_PSI] = 0.0, angle(1.0) - angle(0.0)
-    share, found = foretold(told, 1, length)
+    places = ((0.0, 0.0, rate(0.0) / length), (length, angle(1.0) - angle(0.0), rate(1.0) / length))
+    share, found = foretold(*places)
     both = 0.0 < first < last < 1.0
     assert found == both
     if both:

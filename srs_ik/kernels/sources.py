@@ -7,18 +7,19 @@ import re
 from functools import cache
 from pathlib import Path
 
-_IMPORT = re.compile(rb"^[ \t]*(?:from|import)[ \t]+([\w.]+)", re.MULTILINE)
+_IMPORT = re.compile(rb"^[ \t]*(?:from|import)[ \t]+([\w.]+)(?:[ \t]+import[ \t]+(\w+))?", re.MULTILINE)
 
 
 @cache
 def _imported(path: Path, folder: Path) -> tuple[Path, ...]:
-    """Kernel files that a kernel file names in its imports; a room that is named stands for all its files."""
+    """Kernel files that a kernel file names in its imports; a room that names none of its files stands for all."""
     found: list[Path] = []
-    for name in _IMPORT.findall(path.read_bytes()):
+    for name, first in _IMPORT.findall(path.read_bytes()):
         parts = name.decode().split(".")
         if folder.name in parts:
             below = folder.joinpath(*parts[parts.index(folder.name) + 1 :])
-            found += below.rglob("*.py") if below.is_dir() else [below.with_suffix(".py")]
+            one = below / f"{first.decode()}.py"
+            found += [one] if one.is_file() else below.rglob("*.py") if below.is_dir() else [below.with_suffix(".py")]
     return tuple(path for path in found if path.is_file())
 
 
