@@ -7,19 +7,22 @@ import re
 from functools import cache
 from pathlib import Path
 
-_IMPORT = re.compile(rb"^[ \t]*(?:from|import)[ \t]+([\w.]+)(?:[ \t]+import[ \t]+(\w+))?", re.MULTILINE)
+_IMPORT = re.compile(rb"^[ \t]*(?:from|import)[ \t]+([\w.]+)(?:[ \t]+import[ \t]+(\w[^\n#]*))?", re.MULTILINE)
 
 
 @cache
 def _imported(path: Path, folder: Path) -> tuple[Path, ...]:
     """Kernel files that a kernel file names in its imports; a room that names none of its files stands for all."""
     found: list[Path] = []
-    for name, first in _IMPORT.findall(path.read_bytes()):
+    for name, imported in _IMPORT.findall(path.read_bytes()):
         parts = name.decode().split(".")
         if folder.name in parts:
             below = folder.joinpath(*parts[parts.index(folder.name) + 1 :])
-            one = below / f"{first.decode()}.py"
-            found += [one] if one.is_file() else below.rglob("*.py") if below.is_dir() else [below.with_suffix(".py")]
+            named = [below / f"{word.split()[0]}.py" for word in imported.decode().split(",") if word.strip()]
+            if not below.is_dir():
+                found.append(below.with_suffix(".py"))
+            else:
+                found += named if named and all(file.is_file() for file in named) else below.rglob("*.py")
     return tuple(path for path in found if path.is_file())
 
 

@@ -6,10 +6,11 @@ pose to first order and goes with the arm angle, one way or the other, until the
 
 from __future__ import annotations
 
+import math
+
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, root, where
-from srs_ik.kernels.chain.eight import sines_of_eight
+from srs_ik.kernels.algebra.lanes import as_bits, where
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     ALL,
@@ -31,8 +32,8 @@ HARDLY = 1e-11
 """A step foreseen to be this short, rad, is not taken: it would be shorter still, by the square of the last one."""
 
 CLOSE_BY = 1e-5
-"""A first step this short, rad, times the root of the sines of the elbow's bend and of shoulder or wrist, is the last:
-what it leaves is its square over these, 1e-10 rad. The postures that almost exact limbs start from are that close."""
+"""A first step this short, rad, times the root of the sine of the elbow's bend, is the last: what it leaves is its
+square over that sine, 1e-10 rad. The postures that almost exact limbs start from are that close."""
 
 
 @kernel
@@ -77,8 +78,7 @@ def to_limits(P, q, psi, way, target, steps):
     around = turn(psi)
     met = 0
     last = 0.0 * psi
-    s2, _, s6 = sines_of_eight(P, q)
-    short = CLOSE_BY * root(place_[3] * where(abs(s2) < abs(s6), abs(s2), abs(s6)))
+    short = CLOSE_BY * math.sqrt(place_[3])
     for _ in range(steps):
         h, b = half_planes(t, h0, around)
         d, rates, _, right = newton_step(P, turns, R, p, h, b)
@@ -91,7 +91,7 @@ def to_limits(P, q, psi, way, target, steps):
         q = along7(q, 1.0, d)
         psi = psi + f * ahead
         last = size
-        short = 0.0 * size + LAST_STEP
+        short = LAST_STEP
         met = as_bits(settled & right)
         if as_bits(settled) == ALL:
             break

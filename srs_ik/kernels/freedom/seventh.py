@@ -22,9 +22,10 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.freedom import Found, Freedom
-from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, LOWER, MISS, STRAIGHT, UPPER
+from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS, STRAIGHT
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import may_line_up
+from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.pose.solve import best_posture
 
@@ -41,14 +42,6 @@ ROUNDS, GAIN = 4, 1e-6
 
 
 @kernel
-def is_at_limit(P, e, width):
-    """Whether an elbow is at one of its limits, but for whole turns."""
-    low = abs(math.sin(0.5 * (e - P[LOWER + 3]))) if P[LOWER + 3] > -math.inf else 1.0
-    high = abs(math.sin(0.5 * (e - P[UPPER + 3]))) if P[UPPER + 3] < math.inf else 1.0
-    return 2.0 * min(low, high) < width
-
-
-@kernel
 def hides_postures(P, pose):
     """Whether searches from a grid of arm angles may pass over postures of a pose."""
     place_ = place(P, pose[0], pose[1])
@@ -57,7 +50,8 @@ def hides_postures(P, pose):
         return True
     rounded = P[IS_CLOSED] != 1.0 and P[MISS] < HARDLY * P[FAR]
     width = SLACK * between_limbs(P)
-    return rounded and (is_at_limit(P, one, width) or is_at_limit(P, other, width))
+    off, other_off = beyond(P, 3, turn_to_middle(P, 3, one)), beyond(P, 3, turn_to_middle(P, 3, other))
+    return rounded and min(abs(off), abs(other_off)) < width
 
 
 @kernel
