@@ -157,6 +157,38 @@ def test_branch_numbers_of_real_arms(name):
         assert (every.branch == check_numbers(arm, every.q)).all()
 
 
+@pytest.mark.parametrize("name", arms.EXACT)
+@pytest.mark.parametrize("respect", [True, False])
+def test_the_best_posture_at_an_arm_angle_is_the_best_of_all_branches(name, respect):
+    """Each branch is asked for with a seed, whose answer is found joint by joint, and turned to the middles here."""
+    arm, forward = arms.load(name), arms.forward(name)
+    limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    middle, half = 0.5 * (arm.lower + arm.upper)[limited], 0.5 * (arm.upper - arm.lower)[limited]
+    rng = np.random.default_rng(5)
+
+    def margin(q):
+        off = q[limited] - middle
+        off -= 2.0 * np.pi * np.rint(off / (2.0 * np.pi))
+        return (1.0 - np.abs(off) / half).min()
+
+    met = 0
+    for known in arms.configurations(name, 60, 8):
+        pose, psi, seed = forward(known), rng.uniform(-np.pi, np.pi), rng.uniform(-1.0, 1.0, 7)
+        each = [arm.solve(pose, arm_angle=psi, branch=b, seed=seed, respect_limits=False) for b in range(8)]
+        margins = {b: margin(each[b].q) for b in range(8) if each[b]}
+        best = arm.solve(pose, arm_angle=psi, respect_limits=respect)
+        assert bool(best) == (max(margins.values(), default=-1.0) > 0.0 or (not respect and bool(margins)))
+        if best:
+            met += 1
+            assert abs(margin(best.q) - max(margins.values())) < 1e-9
+            assert max(distance(pose, forward(best.q))) < 1e-11
+        for b, most in margins.items():
+            alone = arm.solve(pose, arm_angle=psi, branch=b, respect_limits=False)
+            assert alone.branch == b
+            assert abs(margin(alone.q) - most) < 1e-9
+    assert met > 10
+
+
 @given(limbs())
 def test_random_limbs_have_all_their_branches(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")

@@ -8,8 +8,6 @@ from oracles import random_angles, random_limb
 from scipy.optimize import minimize_scalar
 
 import srs_ik
-from srs_ik.kernels.algebra.lane_trig import rough_angle
-from srs_ik.kernels.algebra.lanes import gather, scatter
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.exact.glance import GLANCES, NEXT_GLANCE, glance
 from srs_ik.kernels.limb.poses import read_pose
@@ -92,12 +90,6 @@ def test_where_the_elbow_is_tightest_the_others_have_room():
 
 
 @njit
-def bearings(s, c, out):
-    scatter(row(out, 0), 0, 1, rough_angle(gather(row(c, 0), 0, 1), gather(row(s, 0), 0, 1)))
-    keep(s), keep(c), keep(out)
-
-
-@njit
 def glances(family, T, out):
     P = row(family, 0)
     R, p, _ = read_pose(row(T, 0))
@@ -105,16 +97,6 @@ def glances(family, T, out):
     for elbow in range(2):
         out[elbow, 0], out[elbow, 1] = glance(P, elbow_side(P, place_, elbow), (-1, -1))
     keep(family), keep(T)
-
-
-@pytest.mark.numba
-def test_bearings_are_arc_tangents():
-    out = np.empty(8)
-    for psi in np.linspace(-3.1, 3.1, 160).reshape(-1, 8):
-        bearings(np.sin(psi), np.cos(psi), out)
-        assert np.abs(out - psi).max() < 2e-6
-    bearings(np.zeros(8), np.zeros(8), out)
-    assert (np.abs(out) <= np.pi).all()
 
 
 @pytest.mark.numba

@@ -8,6 +8,7 @@ from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
 from srs_ik.kernels.jit import kernel
 
 HALF_PI = 0.5 * math.pi
+TAN_SIXTEENTH = 0.41421356237309503
 TINY = 1e-300
 QUARTER = 1.5707963267341256
 QUARTER_REST = 6.077100506506192e-11
@@ -38,23 +39,25 @@ def turn(q):
 
 
 @kernel
-def rough_angle(c, s):
-    """The angle of a cosine and a sine of any length, in [-pi, pi], to 2e-6 rad; any where both are zero."""
-    flat = abs(c) > abs(s)
-    t = where(flat, s, c) / (where(flat, c, s) + TINY)
-    z = t * t
-    rough = t * (0.99997726 - z * (0.33262347 - z * (0.19354346 - z * (0.11643287 - z * (0.05265332 - z * 0.0117212)))))
-    quarter = where(s < 0.0, 0.0 * s - HALF_PI, 0.0 * s + HALF_PI)
-    return where(flat, where(c < 0.0, rough + 2.0 * quarter, rough), quarter - rough)
-
-
-@kernel
 def angle_of(c, s):
-    """The angle of a cosine and a sine, in [-pi, pi]: a rough one, and what a turn back by it leaves."""
-    rough = rough_angle(c, s)
-    cosine, sine = turn(rough)
-    left = s * cosine - c * sine
-    return rough + left * (1.0 + left * left * (1.0 / 6.0))
+    """The angle of a cosine and a sine of any length, in [-pi, pi]; zero where both are zero.
+
+    Angles are taken from the nearest multiple of an eighth of a turn, where the power series of the arctangent, its
+    last terms fitted, has all digits.
+    """
+    x, y = abs(c), abs(s)
+    less, more = where(x < y, x, y), where(x < y, y, x)
+    slanting = less > TAN_SIXTEENTH * more
+    t = where(slanting, less - more, less) / (where(slanting, less + more, more) + TINY)
+    z = t * t
+    rest = -0.06640233842869744 + z * (0.056883487686028446 - z * (0.04348050891958043 - z * 0.02113535694575133))
+    rest = 0.11111106180425145 - z * (0.09090773074092884 - z * (0.07689953486227682 + z * rest))
+    rest = 0.3333333333332844 - z * (0.199999999988551 - z * (0.1428571418097571 - z * rest))
+    angle = t - t * (z * rest)
+    angle = where(slanting, HALF_PI * 0.5 + angle, angle)
+    angle = where(x < y, HALF_PI - angle, angle)
+    angle = where(c < 0.0, 2.0 * HALF_PI - angle, angle)
+    return where(s < 0.0, -angle, angle)
 
 
 @kernel

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, where
@@ -17,7 +18,6 @@ from srs_ik.kernels.chain.newton_eight import (
     all_times,
     half_planes,
     is_foreseen,
-    larger,
     largest,
     newton_step,
     turned_by_all,

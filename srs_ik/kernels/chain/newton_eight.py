@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, root, where
@@ -38,12 +39,6 @@ SMALLEST = (0.1 * CLOSED) ** 2
 
 AS_NOTHING = 1e-30
 """What is smaller counts as this where steps divide by it: exactly singular postures make them long, but numbers."""
-
-
-@kernel
-def larger(a, b):
-    """The larger of each two floats."""
-    return where(a > b, a, b)
 
 
 @kernel

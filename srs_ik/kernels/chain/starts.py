@@ -79,7 +79,7 @@ def evaluate_branch(P, target, psi, branch, goal, A):
 def start_all(P, place_, psi, seeded, seed, respect, A):
     """Write the closed form's posture of every branch at an arm angle into A; which exist, as bits."""
     q, sure = eight_branches(P, place_, psi)
-    if sure == ALL:
+    if sure:
         put_eight(row(A, FIRST), WIDTH, ALL, q)
         return ALL
     exist = 0

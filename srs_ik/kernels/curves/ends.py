@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way
 from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
@@ -15,7 +16,6 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.eight import take_ways
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, close_gently
-from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.curves.follow import arc_between, between, meet, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.jit import kernel

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
@@ -13,7 +14,6 @@ from srs_ik.kernels.chain.newton_eight import (
     all_times,
     curve_step,
     is_foreseen,
-    larger,
     largest,
     turned_by_all,
 )

@@ -1,16 +1,16 @@
 """Eight arm angles at a glance: about how near the joints of shoulder and wrist are to their limits, eight in step.
 
-This is to tell where to look closely: angles are about right, the free split of a singular joint is not told.
+This is to tell where to look closely: the free split of a singular joint is not told.
 """
 
 from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.lane_trig import rough_angle
+from srs_ik.kernels.algebra.eight import larger
+from srs_ik.kernels.algebra.lane_trig import angle_of
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
 from srs_ik.kernels.algebra.vectors import swing
-from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import A1_A2, A2_A3, FIRST_JOINT, INVERSE_HALF_RANGE, MIDDLE, PHASE, SHOULDER, WRIST
 from srs_ik.kernels.limb.spherical import eight_middles, sines
@@ -45,7 +45,7 @@ def costs_of(P, first, q):
 def eight_angles(P, k, v, y, c, s):
     """Eight of `spherical.angles`, about."""
     q1, q2, q3, _ = sines(P, k, v, y, c, s)
-    return rough_angle(q1[0], q1[1]), rough_angle(q2[0], q2[1]), rough_angle(q3[0], q3[1])
+    return angle_of(q1[0], q1[1]), angle_of(q2[0], q2[1]), angle_of(q3[0], q3[1])
 
 
 @kernel

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.lane_trig import TINY, turn
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, root, scatter, where, whole_number
 from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
-from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.exact.glance import eight_angles
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import ARM_ANGLES, BRANCH_COST, ELBOW_COST, HALF, HALF_COST

@@ -15,6 +15,7 @@ from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.limb import A1_A2, A2_A3, LOWER, PHASE, SHIFT, SHOULDER, SIZE, STRAIGHT, UPPER, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED, elbow_part, join, part
 from srs_ik.kernels.limb.limits import TURN, set_joint_limits, set_limit
+from srs_ik.kernels.limb.postures_eight import farthest_branch
 from srs_ik.kernels.limb.spherical import angles, middle_angle, mirrored
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
 
@@ -209,6 +210,10 @@ def posture_at(P, place_, elbow, c, s, shoulder, wrist, seeded, seed, respect, b
 @kernel
 def best_branch(P, place_, psi, branch, seeded, seed, respect):
     """The best posture at an arm angle over all branches (or in the wanted one, 0 to 7): q, branch, cost."""
+    if not seeded:
+        q, best, lowest = farthest_branch(P, place_, psi, branch, respect)
+        if best >= 0:
+            return q, best, lowest
     c = math.cos(psi)
     s = math.sin(psi)
     if branch >= 0:

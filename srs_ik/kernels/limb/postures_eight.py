@@ -8,26 +8,29 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import choose, larger, smaller
 from srs_ik.kernels.algebra.lane_trig import angle_of
-from srs_ik.kernels.algebra.lanes import as_bits, eight_of, where, whole_number
+from srs_ik.kernels.algebra.lanes import as_bits, as_mask, eight_of, one_of, where, whole_number
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import MIDDLE, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import (
+    INVERSE_HALF_RANGE,
+    LOWER,
+    MIDDLE,
+    SHOULDER,
+    SLACK_LIMIT,
+    UPPER,
+    WRIST,
+)
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.limits import PER_TURN, TURN
-from srs_ik.kernels.limb.spherical import eight_middles, sines
-from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
+from srs_ik.kernels.limb.spherical import eight_middles, joint_at, joints_of, middles_of, sines, sines_of
+from srs_ik.kernels.limb.triangle import elbow_at, frame_at, shoulder_columns, wrist_columns
 
-
-@kernel
-def choose(which, a, b):
-    """Eight vectors, each of two, by a mask."""
-    return where(which, a[0], b[0]), where(which, a[1], b[1]), where(which, a[2], b[2])
-
-
-@kernel
-def choose_both(which, a, b):
-    """`choose` for two vectors of each."""
-    return choose(which, a[0], b[0]), choose(which, a[1], b[1])
+ALL = 0b11111111
+BEYOND_STRAIGHT = 0b11110000  # the branches of the second elbow
+WRIST_LANES = 0b11110000
+BELOW_LANES = 0b10101010
 
 
 @kernel
@@ -81,16 +84,109 @@ def eight_postures(P, sides, branches, c, s):
 
 
 @kernel
+def of_both(shoulder, wrist):
+    """What both sides of the elbow ask of the shoulder, each in two lanes, and of the wrist, in the other four."""
+    (a, b), (c, d) = shoulder, wrist
+    return (
+        eight_of(a[0], a[0], b[0], b[0], c[0], c[0], d[0], d[0]),
+        eight_of(a[1], a[1], b[1], b[1], c[1], c[1], d[1], d[1]),
+        eight_of(a[2], a[2], b[2], b[2], c[2], c[2], d[2], d[2]),
+    )
+
+
+@kernel
+def halves(P, shoulder, wrist):
+    """Both solutions of what `of_both` asks, above and below a middle joint's phase: angles; whether all are sure."""
+    joint = joints_of(as_mask(WRIST_LANES), joint_at(P, WRIST), joint_at(P, SHOULDER))
+    v, y = of_both(shoulder[0], wrist[0]), of_both(shoulder[1], wrist[1])
+    c, s, missed = middles_of(joint, v)
+    q1, q2, q3, length = sines_of(joint, v, y, c, where(as_mask(BELOW_LANES), -s, s))
+    # Out of reach, they count as unsure.
+    sure = as_bits(where(missed, 0.0, length) > 0.0) == ALL
+    return (angle_of(q1[0], q1[1]), angle_of(q2[0], q2[1]), angle_of(q3[0], q3[1])), sure
+
+
+@kernel
+def of_shoulder(x):
+    """Of `halves`, the shoulder's of each branch."""
+    a, b, c, d = one_of(x, 0), one_of(x, 1), one_of(x, 2), one_of(x, 3)
+    return eight_of(a, a, b, b, c, c, d, d)
+
+
+@kernel
+def of_wrist(x):
+    """Of `halves`, the wrist's of each branch."""
+    a, b, c, d = one_of(x, 4), one_of(x, 5), one_of(x, 6), one_of(x, 7)
+    return eight_of(a, b, a, b, c, d, c, d)
+
+
+@kernel
 def eight_branches(P, place_, psi):
-    """The postures of all branches at an arm angle, and as bits, which are sure."""
-    c, s = math.cos(psi), math.sin(psi)
-    below = eight_of(0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0) > 0.5
-    base, arm, c4, s4 = side_frames(P, place_, 0, c, s)
-    _, arm_below, c4_below, s4_below = side_frames(P, place_, 1, c, s)
-    v, y = choose_both(below, shoulder_columns(P, base, arm_below), shoulder_columns(P, base, arm))
-    a, sure_s = three_angles(P, SHOULDER, v, y, eight_of(1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0))
-    wrist = wrist_columns(P, place_, base, arm, c4, s4)
-    v, y = choose_both(below, wrist_columns(P, place_, base, arm_below, c4_below, s4_below), wrist)
-    b, sure_w = three_angles(P, WRIST, v, y, eight_of(1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0))
-    q4 = where(below, math.atan2(s4_below, c4_below), math.atan2(s4, c4))
-    return (a[0], a[1], a[2], q4, b[0], b[1], b[2]), as_bits(sure_s & sure_w)
+    """The postures of all branches at an arm angle, and whether all are sure."""
+    base = frame_at(place_, math.cos(psi), math.sin(psi))
+    c4, s4, arm = elbow_at(P, place_, 0)
+    c4_below, s4_below, arm_below = elbow_at(P, place_, 1)
+    v, y = shoulder_columns(P, base, arm)
+    v_below, y_below = shoulder_columns(P, base, arm_below)
+    shoulder = (v, v_below), (y, y_below)
+    v, y = wrist_columns(P, place_, base, arm, c4, s4)
+    v_below, y_below = wrist_columns(P, place_, base, arm_below, c4_below, s4_below)
+    (a, b, c), sure = halves(P, shoulder, ((v, v_below), (y, y_below)))
+    below = as_mask(BEYOND_STRAIGHT)
+    q4 = angle_of(where(below, c4_below, c4), where(below, s4_below, s4))
+    return (of_shoulder(a), of_shoulder(b), of_shoulder(c), q4, of_wrist(a), of_wrist(b), of_wrist(c)), sure
+
+
+@kernel
+def farthest_turn(P, joint, q):
+    """`limits.turn_to_middle` of eight angles of a joint, minus their margins, and their violations."""
+    q = in_middle_turn(P, joint, q)
+    inside = smaller(larger(q, P[LOWER + joint]), P[UPPER + joint])
+    q = where(abs(q - inside) < P[SLACK_LIMIT], inside, q)
+    return q, abs(q - P[MIDDLE + joint]) * P[INVERSE_HALF_RANGE + joint] - 1.0, abs(q - inside)
+
+
+@kernel
+def farthest_branches(P, place_, psi, respect):
+    """`eight_branches` in the turns farthest from the limits; whether all are sure, and their costs."""
+    q, sure = eight_branches(P, place_, psi)
+    a, cost_a, out_a = farthest_turn(P, 0, q[0])
+    b, cost_b, out_b = farthest_turn(P, 1, q[1])
+    c, cost_c, out_c = farthest_turn(P, 2, q[2])
+    d, cost_d, out_d = farthest_turn(P, 3, q[3])
+    e, cost_e, out_e = farthest_turn(P, 4, q[4])
+    f, cost_f, out_f = farthest_turn(P, 5, q[5])
+    g, cost_g, out_g = farthest_turn(P, 6, q[6])
+    cost = larger(larger(larger(cost_a, cost_b), larger(cost_c, cost_d)), larger(larger(cost_e, cost_f), cost_g))
+    if respect:
+        outside = larger(larger(larger(out_a, out_b), larger(out_c, out_d)), larger(larger(out_e, out_f), out_g))
+        cost = where(outside > 0.0, OUTSIDE + outside, cost)
+    return (a, b, c, d, e, f, g), sure, cost
+
+
+@kernel
+def farthest_branch(P, place_, psi, branch, respect):
+    """The posture at an arm angle that is farthest from the limits, in a branch (-1: any): q, branch, cost.
+
+    The branch is -1 where not all are sure.
+    """
+    q, sure, costs = farthest_branches(P, place_, psi, respect)
+    if not sure:
+        return NO_SEED, -1, 0.0
+    best = max(branch, 0)
+    lowest = one_of(costs, best)
+    if branch < 0:
+        for i in range(1, 8):
+            if one_of(costs, i) < lowest:
+                best, lowest = i, one_of(costs, i)
+    a, b, c, d, e, f, g = q
+    posture = (
+        one_of(a, best),
+        one_of(b, best),
+        one_of(c, best),
+        one_of(d, best),
+        one_of(e, best),
+        one_of(f, best),
+        one_of(g, best),
+    )
+    return posture, best, lowest

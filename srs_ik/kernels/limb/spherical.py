@@ -8,7 +8,9 @@ here keep all digits near the singular rotations.) Of R only two columns are nee
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
+from srs_ik.kernels.algebra.eight import choose
 from srs_ik.kernels.algebra.lanes import root, where
 from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub
 from srs_ik.kernels.jit import kernel
@@ -54,17 +56,78 @@ def middle_angle(P, k, v):
     return (bottom - top) * share, 2.0 * math.sqrt(top * bottom) * share, reached
 
 
+class Joint(NamedTuple):
+    """The figures of a spherical joint, of one or of eight in step (see the offsets of a block in `layout.limb`)."""
+
+    a1: Any
+    a2: Any
+    a3: Any
+    across_3: Any
+    cross_3: Any
+    cross_23: Any
+    cos_phase: Any
+    sin_phase: Any
+    top_gap: Any
+    bottom_gap: Any
+    a2_a3: Any
+    singular: Any  # sine of the angle between axes 1 and 3 under which they count as parallel
+
+
+@kernel
+def joint_at(P, k):
+    """The spherical joint at block k."""
+    return Joint(
+        load3(P, k + A1),
+        load3(P, k + A2),
+        load3(P, k + A3),
+        load3(P, k + ACROSS_3),
+        load3(P, k + CROSS_3),
+        load3(P, k + CROSS_23),
+        P[k + COS_PHASE],
+        P[k + SIN_PHASE],
+        P[k + TOP_GAP],
+        P[k + BOTTOM_GAP],
+        P[k + A2_A3],
+        P[SLACK_SINGULAR],
+    )
+
+
+@kernel
+def joints_of(which, one, other):
+    """Eight joints, each of two, by a mask."""
+    return Joint(
+        choose(which, one.a1, other.a1),
+        choose(which, one.a2, other.a2),
+        choose(which, one.a3, other.a3),
+        choose(which, one.across_3, other.across_3),
+        choose(which, one.cross_3, other.cross_3),
+        choose(which, one.cross_23, other.cross_23),
+        where(which, one.cos_phase, other.cos_phase),
+        where(which, one.sin_phase, other.sin_phase),
+        where(which, one.top_gap, other.top_gap),
+        where(which, one.bottom_gap, other.bottom_gap),
+        where(which, one.a2_a3, other.a2_a3),
+        one.singular,
+    )
+
+
 @kernel
 def sines(P, k, v, y, c, s):
+    """`sines_of` the joint at block k."""
+    return sines_of(joint_at(P, k), v, y, c, s)
+
+
+@kernel
+def sines_of(joint, v, y, c, s):
     """One solution, or eight in step, as cosine and sine of each angle, and the common length that those of q1 had.
 
     c and s come from `middle_angle`, for which q2 lies above its phase; with -s it lies below. Where axes 1 and 3 are
     parallel the length is 0, q1 is taken as zero, and the last pair belongs to the sum or difference of q1 and q3.
     """
-    c2 = P[k + COS_PHASE] * c - P[k + SIN_PHASE] * s
-    s2 = P[k + SIN_PHASE] * c + P[k + COS_PHASE] * s
-    a1, a2, a3, cross_23 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3), load3(P, k + CROSS_23)
-    t = (1.0 - c2) * P[k + A2_A3]
+    c2 = joint.cos_phase * c - joint.sin_phase * s
+    s2 = joint.sin_phase * c + joint.cos_phase * s
+    a1, a2, a3, cross_23 = joint.a1, joint.a2, joint.a3, joint.cross_23
+    t = (1.0 - c2) * joint.a2_a3
     u = (
         c2 * a3[0] + s2 * cross_23[0] + t * a2[0],
         c2 * a3[1] + s2 * cross_23[1] + t * a2[1],
@@ -73,20 +136,25 @@ def sines(P, k, v, y, c, s):
     # Project before multiplying: u and v may both be almost a1, and the small parts across a1 hold the answer.
     u_across, v_across = across(u, a1), across(v, a1)
     s1, c1 = dot(a1, cross(u_across, v_across)), dot(u_across, v_across)
-    apart = dot(u_across, u_across) > P[SLACK_SINGULAR] * P[SLACK_SINGULAR]
+    apart = dot(u_across, u_across) > joint.singular * joint.singular
     length = where(apart, root(s1 * s1 + c1 * c1), 0.0)
     share = where(length > 0.0, 1.0 / where(length > 0.0, length, 1.0), 0.0)
     s1, c1 = s1 * share, where(length > 0.0, c1 * share, 1.0)
     z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
-    return (c1, s1), (c2, s2), (dot(load3(P, k + ACROSS_3), z), dot(load3(P, k + CROSS_3), z)), length
+    return (c1, s1), (c2, s2), (dot(joint.across_3, z), dot(joint.cross_3, z)), length
 
 
 @kernel
 def eight_middles(P, k, v):
+    """`middles_of` the joint at block k."""
+    return middles_of(joint_at(P, k), v)
+
+
+@kernel
+def middles_of(joint, v):
     """`middle_angle` of eight directions: cosines and sines, and a mask of those that may be out of reach."""
-    a1 = load3(P, k + A1)
-    up, down = sub(v, a1), add(v, a1)
-    top, bottom = 0.5 * dot(up, up) - P[k + TOP_GAP], 0.5 * dot(down, down) - P[k + BOTTOM_GAP]
+    up, down = sub(v, joint.a1), add(v, joint.a1)
+    top, bottom = 0.5 * dot(up, up) - joint.top_gap, 0.5 * dot(down, down) - joint.bottom_gap
     missed = (top < 0.0) | (bottom < 0.0)
     top, bottom = where(top < 0.0, 0.0, top), where(bottom < 0.0, 0.0, bottom)
     share = 1.0 / (top + bottom)

@@ -10,11 +10,11 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
+from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
-from srs_ik.kernels.chain.eight import ALL, take_eight, tip_errors
+from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped
 from srs_ik.kernels.exact.free_splits import worse_by
@@ -34,6 +34,7 @@ from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.postures_eight import farthest_branches
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
@@ -175,6 +176,18 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
 
 
 @kernel
+def put_branches(P, place_, psi, respect, out, first):
+    """The angles of an exact limb's branches at an arm angle, and their costs, into rows of `out` from `first` on."""
+    q, sure, costs = farthest_branches(P, place_, psi, respect)
+    if sure:
+        put_eight(row(out, first), ROW, ALL, q)
+        scatter(row(out, first), ROW_COST, ROW, costs)
+        return
+    for elbow in range(2):
+        elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
+
+
+@kernel
 def all_branches(family, T, asked, J, A, out, first, kept):
     """One row a branch at an arm angle, in the order of branches: rows `first` to `first + 7` of out.
 
@@ -190,8 +203,7 @@ def all_branches(family, T, asked, J, A, out, first, kept):
     target = Target(R, p, place_)
     goal = Goal(False, NO_SEED, respect)
     if P[IS_NEAR] == 0.0:
-        for elbow in range(2):
-            elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
+        put_branches(P, place_, psi, respect, out, first)
     else:
         kept = solve_all_at_angle(P, target, psi, (respect, J, A), out[first : first + 8], kept)
     rows = row(out, first)
