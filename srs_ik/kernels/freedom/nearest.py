@@ -13,7 +13,6 @@ from srs_ik.kernels.algebra.lanes import eight_of, gather, one_of, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
-from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.constraints import THIN, equations
 from srs_ik.kernels.freedom.elimination import RHS, ROOM_ROW
 from srs_ik.kernels.freedom.settle import HELD_BACK, NO_FORCE, bounded_step, distance, led_to, onto_pose, settle
@@ -21,11 +20,6 @@ from srs_ik.kernels.freedom.starts import APART, NO_NEARER, NONE_LEFT, change_pl
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_STARTS, MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
-from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
-
-CLOSE = 0.15
-CLEAR = 2.0
-"""A posture this close to a seed, rad, is the nearest one if no joint is singular within so many times its distance."""
 
 ALMOST = 0.01
 """A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
@@ -47,29 +41,6 @@ LATE, OUTSIDE, WIDELY = 4, 3.0, 1.0
 """Searches that come last. Postures that are pressed between limits may have starts outside these alone: a radian
 outside costs no more than it may take to come inside, and what lies within so much, rad, of starts that were taken is
 left out."""
-
-
-@kernel
-def beside(P, pose, freedom, liking, desk):
-    """The posture that a search from the seed leads to, if any; and whether it is so close that none is nearer."""
-    off, turned = free_error(P, liking.posture, pose[0], pose[1], freedom)
-    if max(off, turned) < SOLVED and between(liking.posture, liking.lower, liking.upper) == liking.posture:
-        return Found(liking.posture, 0.0, True), True
-    there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, liking, desk)
-    alone = at_rest and error < SOLVED
-    if not alone and 0.0 < freedom.cone <= THIN:
-        rolled, least, left, _ = settle(P, liking.posture, pose, Freedom(freedom.axis, 0.0), liking, desk)
-        if left < SOLVED and (error >= SOLVED or least < cost):
-            there, cost, error = rolled, least, left
-    if SOLVED <= error < ALMOST:
-        there, cost, error, _ = searched(P, there, pose, freedom, liking, desk)
-    q, distance = liking.posture, math.sqrt(cost)
-    s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
-    s4 = abs(math.sin(q[3] - P[STRAIGHT]))
-    s6 = abs(math.sin(q[5] - P[WRIST + PHASE]))
-    alone = alone and distance < CLOSE and min(s2, s4, s6) > CLEAR * distance + between_limbs(P)
-    met = error < SOLVED
-    return Found(there, cost if met else NONE_LEFT, met), alone
 
 
 @kernel

@@ -9,9 +9,9 @@ from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.constraints import THIN
-from srs_ik.kernels.freedom.nearest import CLOSE, beside, nearest
+from srs_ik.kernels.freedom.from_seed import CLOSE, from_seed
+from srs_ik.kernels.freedom.nearest import nearest
 from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, led_to, onto_pose, settle
-from srs_ik.kernels.freedom.seventh import hides_postures, with_roll_held
 from srs_ik.kernels.freedom.starts import MOST_ATTEMPTS, NONE_LEFT, is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
@@ -56,12 +56,9 @@ def found_posture(family, P, pose, given, goal, liking, desk):
     """The posture nearest to a seed, or without one farthest from the limits."""
     none = Found(liking.posture, NONE_LEFT, False)
     if goal.seeded:
-        known, alone = beside(P, pose, given[0], liking, desk)
+        known, alone = from_seed(family, P, pose, given[0], goal, liking, desk)
         if alone:
             return known
-        if given[0].cone <= THIN and is_loose(P, given[0].axis) and hides_postures(P, pose):
-            other = with_roll_held(family, P, pose, given[0], goal, liking, desk)
-            known = other if other.cost < known.cost else known
         # One that is farther ends no other search: at singular shoulders and wrists these go a long way round.
         found = nearest_of_all(P, pose, given, liking, known if known.cost < CLOSE * CLOSE else none, desk)
         return known if known.cost < found.cost else found

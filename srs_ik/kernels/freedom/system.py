@@ -306,7 +306,7 @@ def solve_held(K, M, m, held, d):
 
     Returns it, the multipliers of the equations, and whether it may lead to a minimum, and not to a saddle.
     """
-    basic, rank = solve_equations(K, M, m, held, d)
+    basic, rank = solve_equations(K, M, m, held, d) if m > 0 else (-1, 0)
     if basic < 0:
         return solve_together(K, M, m, held, d)
     n = write_ways(K, M, rank, basic | held, held, d)
