@@ -8,20 +8,13 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, short_way, store7
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, scatter
-from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import copy, row
-from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton import (
     CLOSED,
     LEFT,
-    MAX_STEP,
     STEPS,
     close_gently,
-    load_system,
-    longest,
-    moved,
-    pose_step,
 )
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
@@ -29,12 +22,10 @@ from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, st
 from srs_ik.kernels.curves.ends import inside_of_blur
 from srs_ik.kernels.curves.follow import (
     CURVE,
-    FIRST_GUESS,
     correct,
     extend_back,
     follow_through,
     is_known,
-    null_vector,
     put,
     tangent_at,
     vagueness,
@@ -89,10 +80,6 @@ OBLIQUE = 1e-3
 
 CLOSING_STEPS = 16
 """Newton's steps from a start to a curve, at most."""
-
-LEADING_STEPS = 32
-LED = 1e-14
-"""Those with pivots, and the error, m and rad, that they leave."""
 
 MAX_CURVES = 32
 MOST_LEFT = 8
@@ -174,28 +161,6 @@ def put_marks(P, by, angles, oblique, marks, missed):
                 n_missed += 1
                 signs |= 1 << (branch & 3)
     return count, n_missed, signs
-
-
-@kernel
-def lead_to_curve(P, by, q):
-    """The shortest way from a posture to a curve, by Newton's method with pivots: the posture, and whether it is met.
-
-    Where several joints are singular at once, all that tells a posture of the surface from one of the true chain is the
-    square of what axes miss: too little for steps in eight, and for steps that are damped.
-    """
-    for _ in range(LEADING_STEPS):
-        linear, angular = pose_step(P, q, by.target.R, by.target.p, by.J)
-        if max(norm(linear), norm(angular)) < LED:
-            return q, True
-        t, sign = null_vector(by.J, FIRST_GUESS, by.A)
-        load_system(by.J, t, by.A)
-        for i in range(3):
-            by.A[i, 7], by.A[i + 3, 7] = linear[i], angular[i]
-        if sign == 0.0 or solve_linear(by.A, 7) == 0.0:
-            break
-        size = longest(by.A)
-        q = moved(q, by.A, 1.0 if size < MAX_STEP else MAX_STEP / size)
-    return q, False
 
 
 @kernel
@@ -365,8 +330,7 @@ def follow_all(P, by, rows, curves):
         # Where all reaches are known, they tell what these starts might lead to.
         if not brought and i < n_off and (bounced[own] >= MOST_BOUNCED or (told >> own) & 1 == 1):
             continue
-        there, met = lead_to_curve(P, by, q) if i >= n_off else (q, False)
-        q, error = (there, 0.0) if met else close_gently(P, q, R, p, False, by.J, by.A)
+        q, error = close_gently(P, q, R, p, False, by.J, by.A)
         bounced[own] = bounced[own] + 1 if error > BOUNCED else 0
         if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
             continue
