@@ -253,12 +253,6 @@ def watch(P, S, C, q, size, pose, work):
 
 
 @kernel
-def brake(S, C, box):
-    """Come to rest as fast as one may."""
-    return between(NO_SEED, box[0], box[1])
-
-
-@kernel
 def write_step(S, C, q, v, said, out):
     """Write an update's answer, and the state of the joints."""
     for j in range(7):
@@ -305,7 +299,7 @@ def advance(P, S, C, given, work, out):
     elif known:
         lose_target(S, C)
     else:
-        after, v = step_to(P, S, C, brake(S, C, box))
+        after, v = step_to(P, S, C, between(NO_SEED, box[0], box[1]))
         store7(S, GOAL, after)
         out[STEP_POSITION_ERROR] = out[STEP_ORIENTATION_ERROR] = math.inf
         write_step(S, C, after, v, (HELD, NO_TARGET_YET if has == 0 else BAD_TARGET, 0), out)
