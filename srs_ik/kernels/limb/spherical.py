@@ -12,41 +12,25 @@ import math
 from srs_ik.kernels.algebra.lanes import root, where
 from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A2,
-    A2_A3,
-    A3,
-    ACROSS_3,
-    BOTTOM_GAP,
-    COS_PHASE,
-    CROSS_3,
-    CROSS_23,
-    FIRST_JOINT,
-    PHASE,
-    SIN_PHASE,
-    SLACK_REACH,
-    SLACK_SINGULAR,
-    TOP_GAP,
-)
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.splits import nearest_split, rest_of, widest_split
 
 
 @kernel
 def middle_angle(P, k, v):
     """Cosine and sine of x = |q2 - PHASE|, and whether v can be reached at all (else x is the nearest)."""
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + at.A1)
     up = sub(v, a1)
     down = add(v, a1)
     # 1 - m and 1 + m for m = a1'v, as squares of differences: full precision where v is near +-a1.
     top2 = dot(up, up)
     bottom2 = dot(down, down)
-    top = 0.5 * top2 - P[k + TOP_GAP]
-    bottom = 0.5 * bottom2 - P[k + BOTTOM_GAP]
+    top = 0.5 * top2 - P[k + at.TOP_GAP]
+    bottom = 0.5 * bottom2 - P[k + at.BOTTOM_GAP]
     # Beyond an end by an angle e, the gap is negative by e times the sine of the angle between a1 and v.
     reached = True
     if min(top, bottom) < 0.0:
-        slack = P[SLACK_REACH]
+        slack = P[at.SLACK_REACH]
         reached = top >= -slack * math.sqrt(top2) and bottom >= -slack * math.sqrt(bottom2)
         top = max(top, 0.0)
         bottom = max(bottom, 0.0)
@@ -61,10 +45,10 @@ def sines(P, k, v, y, c, s):
     c and s come from `middle_angle`, for which q2 lies above its phase; with -s it lies below. Where axes 1 and 3 are
     parallel the length is 0, q1 is taken as zero, and the last pair belongs to the sum or difference of q1 and q3.
     """
-    c2 = P[k + COS_PHASE] * c - P[k + SIN_PHASE] * s
-    s2 = P[k + SIN_PHASE] * c + P[k + COS_PHASE] * s
-    a1, a2, a3, cross_23 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3), load3(P, k + CROSS_23)
-    t = (1.0 - c2) * P[k + A2_A3]
+    c2 = P[k + at.COS_PHASE] * c - P[k + at.SIN_PHASE] * s
+    s2 = P[k + at.SIN_PHASE] * c + P[k + at.COS_PHASE] * s
+    a1, a2, a3, cross_23 = load3(P, k + at.A1), load3(P, k + at.A2), load3(P, k + at.A3), load3(P, k + at.CROSS_23)
+    t = (1.0 - c2) * P[k + at.A2_A3]
     u = (
         c2 * a3[0] + s2 * cross_23[0] + t * a2[0],
         c2 * a3[1] + s2 * cross_23[1] + t * a2[1],
@@ -73,20 +57,20 @@ def sines(P, k, v, y, c, s):
     # Project before multiplying: u and v may both be almost a1, and the small parts across a1 hold the answer.
     u_across, v_across = across(u, a1), across(v, a1)
     s1, c1 = dot(a1, cross(u_across, v_across)), dot(u_across, v_across)
-    apart = dot(u_across, u_across) > P[SLACK_SINGULAR] * P[SLACK_SINGULAR]
+    apart = dot(u_across, u_across) > P[at.SLACK_SINGULAR] * P[at.SLACK_SINGULAR]
     length = where(apart, root(s1 * s1 + c1 * c1), 0.0)
     share = where(length > 0.0, 1.0 / where(length > 0.0, length, 1.0), 0.0)
     s1, c1 = s1 * share, where(length > 0.0, c1 * share, 1.0)
     z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
-    return (c1, s1), (c2, s2), (dot(load3(P, k + ACROSS_3), z), dot(load3(P, k + CROSS_3), z)), length
+    return (c1, s1), (c2, s2), (dot(load3(P, k + at.ACROSS_3), z), dot(load3(P, k + at.CROSS_3), z)), length
 
 
 @kernel
 def eight_middles(P, k, v):
     """`middle_angle` of eight directions: cosines and sines, and a mask of those that may be out of reach."""
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + at.A1)
     up, down = sub(v, a1), add(v, a1)
-    top, bottom = 0.5 * dot(up, up) - P[k + TOP_GAP], 0.5 * dot(down, down) - P[k + BOTTOM_GAP]
+    top, bottom = 0.5 * dot(up, up) - P[k + at.TOP_GAP], 0.5 * dot(down, down) - P[k + at.BOTTOM_GAP]
     missed = (top < 0.0) | (bottom < 0.0)
     top, bottom = where(top < 0.0, 0.0, top), where(bottom < 0.0, 0.0, bottom)
     share = 1.0 / (top + bottom)
@@ -113,7 +97,7 @@ def angles(P, k, v, y, c, s, sign, anchor):
 def split(P, k, total, toward, anchor):
     """Joints 1 and 3 where only the sum of toward q1 and q3 is known."""
     seeded, seed_1, seed_3, respect = anchor
-    first = int(P[k + FIRST_JOINT])
+    first = int(P[k + at.FIRST_JOINT])
     if not seeded:
         return widest_split(P, k, first, total, toward)
     if respect:
@@ -125,7 +109,7 @@ def split(P, k, total, toward, anchor):
 @kernel
 def mirrored(P, k, q):
     """The other solution where axis 2 is perpendicular to axes 1 and 3, away from the singular rotations."""
-    return q[0] + math.pi, 2.0 * P[k + PHASE] - q[1], q[2] + math.pi
+    return q[0] + math.pi, 2.0 * P[k + at.PHASE] - q[1], q[2] + math.pi
 
 
 @kernel
