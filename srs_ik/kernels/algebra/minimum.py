@@ -11,21 +11,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.search import (
-    BEST,
-    COUNT,
-    F_BEST,
-    F_SECOND,
-    F_THIRD,
-    HIGH,
-    LOW,
-    RESOLUTION,
-    SECOND,
-    STEP,
-    STEP_BEFORE,
-    THIRD,
-    WANTED,
-)
+from srs_ik.kernels.layout import search as at
 
 MOST_STEPS = 80
 
@@ -36,74 +22,74 @@ GOLDEN = 0.6180339887498949
 @kernel
 def start_search(S, a, x, b, fa, fx, fb, resolution):
     """Begin with a bracket a <= x <= b whose values are known and lowest at x."""
-    S[LOW] = a
-    S[HIGH] = b
-    S[BEST] = x
-    S[F_BEST] = fx
+    S[at.LOW] = a
+    S[at.HIGH] = b
+    S[at.BEST] = x
+    S[at.F_BEST] = fx
     if fa <= fb:
-        S[SECOND], S[F_SECOND], S[THIRD], S[F_THIRD] = a, fa, b, fb
+        S[at.SECOND], S[at.F_SECOND], S[at.THIRD], S[at.F_THIRD] = a, fa, b, fb
     else:
-        S[SECOND], S[F_SECOND], S[THIRD], S[F_THIRD] = b, fb, a, fa
-    S[STEP] = b - a
-    S[STEP_BEFORE] = b - a
-    S[COUNT] = 0.0
-    S[RESOLUTION] = resolution
+        S[at.SECOND], S[at.F_SECOND], S[at.THIRD], S[at.F_THIRD] = b, fb, a, fa
+    S[at.STEP] = b - a
+    S[at.STEP_BEFORE] = b - a
+    S[at.COUNT] = 0.0
+    S[at.RESOLUTION] = resolution
 
 
 @kernel
 def propose(S):
     """Where the function is wanted next, and whether it is wanted at all."""
-    finest = S[RESOLUTION]
-    x = S[BEST]
-    middle = 0.5 * (S[LOW] + S[HIGH])
-    if abs(x - middle) <= 2.0 * finest - 0.5 * (S[HIGH] - S[LOW]) or S[COUNT] >= MOST_STEPS:
+    finest = S[at.RESOLUTION]
+    x = S[at.BEST]
+    middle = 0.5 * (S[at.LOW] + S[at.HIGH])
+    if abs(x - middle) <= 2.0 * finest - 0.5 * (S[at.HIGH] - S[at.LOW]) or S[at.COUNT] >= MOST_STEPS:
         return x, False
-    before = S[STEP_BEFORE]
-    r = (x - S[SECOND]) * (S[F_BEST] - S[F_THIRD])
-    q = (x - S[THIRD]) * (S[F_BEST] - S[F_SECOND])
-    p = (x - S[THIRD]) * q - (x - S[SECOND]) * r
+    before = S[at.STEP_BEFORE]
+    r = (x - S[at.SECOND]) * (S[at.F_BEST] - S[at.F_THIRD])
+    q = (x - S[at.THIRD]) * (S[at.F_BEST] - S[at.F_SECOND])
+    p = (x - S[at.THIRD]) * q - (x - S[at.SECOND]) * r
     q = 2.0 * (q - r)
     if q > 0.0:
         p = -p
     q = abs(q)
     # Values that are not finite make every one of these comparisons false.
-    if abs(before) > finest and abs(p) < abs(0.5 * q * before) and q * (S[LOW] - x) < p < q * (S[HIGH] - x):
-        S[STEP_BEFORE] = S[STEP]
+    if abs(before) > finest and abs(p) < abs(0.5 * q * before) and q * (S[at.LOW] - x) < p < q * (S[at.HIGH] - x):
+        S[at.STEP_BEFORE] = S[at.STEP]
         step = p / q
-        if x + step - S[LOW] < 2.0 * finest or S[HIGH] - x - step < 2.0 * finest:
+        if x + step - S[at.LOW] < 2.0 * finest or S[at.HIGH] - x - step < 2.0 * finest:
             step = math.copysign(finest, middle - x)
     else:
-        S[STEP_BEFORE] = S[HIGH] - x if x < middle else S[LOW] - x
-        step = (1.0 - GOLDEN) * S[STEP_BEFORE]
-    S[STEP] = step
-    S[WANTED] = x + (step if abs(step) >= finest else math.copysign(finest, step))
-    return S[WANTED], True
+        S[at.STEP_BEFORE] = S[at.HIGH] - x if x < middle else S[at.LOW] - x
+        step = (1.0 - GOLDEN) * S[at.STEP_BEFORE]
+    S[at.STEP] = step
+    S[at.WANTED] = x + (step if abs(step) >= finest else math.copysign(finest, step))
+    return S[at.WANTED], True
 
 
 @kernel
 def tell(S, f):
     """Take the value at the point asked for last; return whether it is the best so far."""
-    u = S[WANTED]
-    x = S[BEST]
-    S[COUNT] += 1.0
-    if f <= S[F_BEST]:
+    u = S[at.WANTED]
+    x = S[at.BEST]
+    S[at.COUNT] += 1.0
+    if f <= S[at.F_BEST]:
         if u >= x:
-            S[LOW] = x
+            S[at.LOW] = x
         else:
-            S[HIGH] = x
-        S[THIRD], S[F_THIRD] = S[SECOND], S[F_SECOND]
-        S[SECOND], S[F_SECOND] = x, S[F_BEST]
-        S[BEST], S[F_BEST] = u, f
+            S[at.HIGH] = x
+        S[at.THIRD], S[at.F_THIRD] = S[at.SECOND], S[at.F_SECOND]
+        S[at.SECOND], S[at.F_SECOND] = x, S[at.F_BEST]
+        S[at.BEST], S[at.F_BEST] = u, f
         return True
     if u < x:
-        S[LOW] = u
+        S[at.LOW] = u
     else:
-        S[HIGH] = u
-    if f <= S[F_SECOND] or S[SECOND] == x:
-        S[THIRD], S[F_THIRD] = S[SECOND], S[F_SECOND]
-        S[SECOND], S[F_SECOND] = u, f
-    elif f <= S[F_THIRD] or S[THIRD] == x or S[THIRD] == S[SECOND]:
-        S[THIRD], S[F_THIRD] = u, f
+        S[at.HIGH] = u
+    if f <= S[at.F_SECOND] or S[at.SECOND] == x:
+        S[at.THIRD], S[at.F_THIRD] = S[at.SECOND], S[at.F_SECOND]
+        S[at.SECOND], S[at.F_SECOND] = u, f
+    elif f <= S[at.F_THIRD] or S[at.THIRD] == x or S[at.THIRD] == S[at.SECOND]:
+        S[at.THIRD], S[at.F_THIRD] = u, f
     return False
 
 

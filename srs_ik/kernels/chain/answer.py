@@ -7,19 +7,7 @@ import math
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import (
-    OK,
-    OUT_OF_LIMITS,
-    ROW_ARM_ANGLE,
-    ROW_BRANCH,
-    ROW_JOINT,
-    ROW_ORIENTATION_ERROR,
-    ROW_POSITION_ERROR,
-    ROW_Q,
-    ROW_STATUS,
-    SOLVED,
-    UNREACHABLE,
-)
+from srs_ik.kernels.layout import answer as at
 from srs_ik.kernels.layout.limb import IS_CLOSED
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE, tightest_joint
@@ -34,18 +22,18 @@ def write_row(place_, q, branch, psi, errors, forbidden, out):
     position, orientation = errors
     outside, joint = forbidden
     for i in range(7):
-        out[ROW_Q + i] = q[i]
-    out[ROW_POSITION_ERROR] = position
-    out[ROW_ORIENTATION_ERROR] = orientation
-    out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
-    out[ROW_BRANCH] = branch
-    out[ROW_JOINT] = joint
-    if max(position, orientation) < SOLVED:
-        out[ROW_STATUS] = OK
+        out[at.ROW_Q + i] = q[i]
+    out[at.ROW_POSITION_ERROR] = position
+    out[at.ROW_ORIENTATION_ERROR] = orientation
+    out[at.ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
+    out[at.ROW_BRANCH] = branch
+    out[at.ROW_JOINT] = joint
+    if max(position, orientation) < at.SOLVED:
+        out[at.ROW_STATUS] = at.OK
     elif outside and place_[5] == 0.0:
-        out[ROW_STATUS] = OUT_OF_LIMITS
+        out[at.ROW_STATUS] = at.OUT_OF_LIMITS
     else:
-        out[ROW_STATUS] = UNREACHABLE
+        out[at.ROW_STATUS] = at.UNREACHABLE
 
 
 @kernel
@@ -73,6 +61,6 @@ def measure_row_at(P, target, psi, found, respect, out):
     if psi is None:
         angle = arm_angle(P, q, place_[0], place_[1])
     else:
-        solved = max(position, orientation) < SOLVED
+        solved = max(position, orientation) < at.SOLVED
         angle = psi if solved else arm_angle(P, q, place_[0], place_[1])
     write_row(place_, q, branch, angle, (position, orientation), (outside and lowest < NO_BRANCH, joint), out)

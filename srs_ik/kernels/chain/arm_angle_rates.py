@@ -11,18 +11,7 @@ from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.chain.newton import ON_LINE, elbow_position, load_system, longest, moved
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    AXES,
-    FAR,
-    IS_CLOSED,
-    NORMAL_0,
-    NORMAL_C,
-    NORMAL_KIND,
-    NORMAL_S,
-    REFERENCE,
-    SHOULDER_CENTRE,
-    WRIST_IN_TIP,
-)
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import REFERENCE_SINE, arm_frame, straight_offset
@@ -44,11 +33,11 @@ def bend_rate(P, c, s, arm_h):
     c and s are cosine and sine of q4 - STRAIGHT. It is zero where the elbow's axis is across upper arm and forearm, and
     stays finite where the arm is straight.
     """
-    kind = P[NORMAL_KIND]
+    kind = P[at.NORMAL_KIND]
     if kind == 0.0:
         return 0.0
-    n_s = load3(P, NORMAL_S)
-    n_c = load3(P, NORMAL_C)
+    n_s = load3(P, at.NORMAL_S)
+    n_c = load3(P, at.NORMAL_C)
     if kind == 1.0:
         # The normal is (1 + c) n_s + s n_c up to a factor, which vanishes where the arm is folded.
         half_c = math.sqrt(0.5 * (1.0 + c)) if c > -0.5 else 0.5 * abs(s) / math.sqrt(0.5 * (1.0 - c))
@@ -57,7 +46,7 @@ def bend_rate(P, c, s, arm_h):
         n = scale(sign, along(scale(half_c, n_s), half_s, n_c))
         slope = scale(sign, along(scale(-0.5 * half_s, n_s), 0.5 * half_c, n_c))
     else:
-        n = along(along(load3(P, NORMAL_0), s, n_s), 1.0 - c, n_c)
+        n = along(along(load3(P, at.NORMAL_0), s, n_s), 1.0 - c, n_c)
         slope = along(scale(c, n_s), s, n_c)
     length = norm(n)
     return dot(arm_h, slope) / length if length > 0.0 else 0.0
@@ -73,22 +62,22 @@ def gradient(P, q, J, g):
     x, y, z, p = joint_lines(P, q, J)
     for joint in range(7):
         g[joint] = 0.0
-    inner = load3(P, WRIST_IN_TIP)
+    inner = load3(P, at.WRIST_IN_TIP)
     wrist = along(along(along(p, inner[0], x), inner[1], y), inner[2], z)
-    sw = sub(wrist, load3(P, SHOULDER_CENTRE))
+    sw = sub(wrist, load3(P, at.SHOULDER_CENTRE))
     d = norm(sw)
-    least = ON_LINE * P[FAR]
+    least = ON_LINE * P[at.FAR]
     t = scale(1.0 / max(d, least), sw)
     if d < least:
         return p, t, False
-    reference = load3(P, REFERENCE)
+    reference = load3(P, at.REFERENCE)
     h0 = across(reference, t)
     sine = norm(h0)
     if sine < REFERENCE_SINE:
         return p, t, False
     # When S-W tilts, the zero direction turns about it.
     turn = scale(dot(t, reference) / (sine * sine * d), cross(t, h0))
-    if P[IS_CLOSED] == 1.0:
+    if P[at.IS_CLOSED] == 1.0:
         bend = straight_offset(P, q[3])
         c = math.cos(bend)
         s = math.sin(bend)
@@ -98,7 +87,7 @@ def gradient(P, q, J, g):
         g[3] = bend_rate(P, c, s, arm_h) + dot(turn, point_velocity(J, 3, wrist))
         return p, t, True
     elbow = elbow_position(P, q)
-    reach = sub(elbow, load3(P, SHOULDER_CENTRE))
+    reach = sub(elbow, load3(P, at.SHOULDER_CENTRE))
     h = across(reach, t)
     r = norm(h)
     if r < least:
@@ -123,10 +112,10 @@ def tangent(P, q):
     g = np.empty(7)
     A = np.empty((7, 8))
     p, t, exists = gradient(P, q, J, g)
-    if exists and P[IS_CLOSED] == 1.0:
+    if exists and P[at.IS_CLOSED] == 1.0:
         bend = straight_offset(P, q[3])
         arm_t, _, _ = arm_frame(P, math.cos(bend), math.sin(bend))
-        from_forearm = rotate(load3(P, AXES + 9), math.cos(q[3]), -math.sin(q[3]), arm_t)
+        from_forearm = rotate(load3(P, at.AXES + 9), math.cos(q[3]), -math.sin(q[3]), arm_t)
         v, exists = rates(P, q, t, from_forearm)
         return v if exists else NO_SEED, exists
     if exists:

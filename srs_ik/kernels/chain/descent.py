@@ -12,19 +12,8 @@ import math
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import along, norm, sub
+from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import (
-    CLOSED,
-    MAX_STEP,
-    clipped,
-    close_free,
-    close_gently,
-    longest,
-    moved,
-    pose_step,
-    shortest_step,
-    with_zeros,
-)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LOWER, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED, cost
@@ -67,9 +56,9 @@ def slide(P, target, q, goal, J, A):
     way = NO_SEED
     square = 0.0
     for _ in range(SLIDE_STEPS):
-        linear, angular = pose_step(P, q, R, p, J)
+        linear, angular = newton.pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
-        if size < SLID and error < CLOSED:
+        if size < SLID and error < newton.CLOSED:
             return q, True
         wish = (0.0, 0.0, 0.0)
         turn_wish = (0.0, 0.0, 0.0)
@@ -77,24 +66,24 @@ def slide(P, target, q, goal, J, A):
             d = 0.0 if (blocked >> j) & 1 else seed[j] - q[j]
             wish = along(wish, d, (J[0, j], J[1, j], J[2, j]))
             turn_wish = along(turn_wish, d, (J[3, j], J[4, j], J[5, j]))
-        shortest_step(J, sub(linear, wish), sub(angular, turn_wish), blocked, 0.0, A)
+        newton.shortest_step(J, sub(linear, wish), sub(angular, turn_wish), blocked, 0.0, A)
         for j in range(7):
             if not (blocked >> j) & 1:
                 A[j, 7] += seed[j] - q[j]
-        size = longest(A)
-        if size > MAX_STEP:
+        size = newton.longest(A)
+        if size > newton.MAX_STEP:
             return q, False
-        step = moved(NO_SEED, A, 1.0)
+        step = newton.moved(NO_SEED, A, 1.0)
         change = square - dot7(way, step)
         share = min(share * square / change, MOST_SHARE) if error < STRAIGHT_ON and change > 0.0 else 1.0
         way, square = step, dot7(step, step)
-        q = moved(q, A, share)
+        q = newton.moved(q, A, share)
         if goal.respect:
             for j in range(7):
                 if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
                     blocked |= 1 << j
                     square = 0.0
-            q = clipped(P, q)
+            q = newton.clipped(P, q)
     return q, False
 
 
@@ -104,8 +93,8 @@ def slid(P, target, q, goal, J, A):
     lowest = cost(P, q, True, goal.seed, goal.respect)
     nearer, converged = slide(P, target, q, goal, J, A)
     if not converged:
-        nearer, error = close_free(P, nearer, target.R, target.p, goal.respect, NEWTON_STEPS, J, A)
-        if error > CLOSED:
+        nearer, error = newton.close_free(P, nearer, target.R, target.p, goal.respect, NEWTON_STEPS, J, A)
+        if error > newton.CLOSED:
             return q, lowest, False
     value = cost(P, nearer, True, goal.seed, goal.respect)
     if value < lowest:
@@ -145,10 +134,10 @@ def toward_seed(P, q, target, goal, lost, J):
     blocked = 0
     way = NO_SEED
     for _ in range(7):
-        pose_step(P, q, target.R, target.p, J)
+        newton.pose_step(P, q, target.R, target.p, J)
         for i in range(6):
-            store7(row(J, i), 0, with_zeros(read7(row(J, i)), blocked))
-        way = keeping_pose(J, with_zeros(along7(goal.seed, -1.0, q), blocked), lost)
+            store7(row(J, i), 0, newton.with_zeros(read7(row(J, i)), blocked))
+        way = keeping_pose(J, newton.with_zeros(along7(goal.seed, -1.0, q), blocked), lost)
         again = blocked
         for j in range(7 if goal.respect else 0):
             if (q[j] <= P[LOWER + j] and way[j] < 0.0) or (q[j] >= P[UPPER + j] and way[j] > 0.0):
@@ -169,7 +158,7 @@ def descend(P, q, target, goal, least, work):
     J, A = work
     steps, gain = least
     position, orientation = pose_error(P, q, target.R, target.p)
-    most = max(CLOSED if P[IS_NEAR] != 0.0 else 0.1 * CLOSED, position, orientation)
+    most = max(newton.CLOSED if P[IS_NEAR] != 0.0 else 0.1 * newton.CLOSED, position, orientation)
     lowest = cost(P, q, True, goal.seed, goal.respect)
     size = 1.0
     kind = 0
@@ -182,8 +171,8 @@ def descend(P, q, target, goal, least, work):
                 break
             there = along7(q, size, way)
             if goal.respect:
-                there = clipped(P, there)
-            there, error = close_gently(P, there, target.R, target.p, goal.respect, J, A)
+                there = newton.clipped(P, there)
+            there, error = newton.close_gently(P, there, target.R, target.p, goal.respect, J, A)
             value = cost(P, there, True, goal.seed, goal.respect)
             if error <= most and value < (1.0 - gain) * lowest:
                 gained = lowest - value

@@ -12,16 +12,8 @@ from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, where
+from srs_ik.kernels.chain import newton_eight
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
-from srs_ik.kernels.chain.newton_eight import (
-    ALL,
-    all_times,
-    half_planes,
-    is_foreseen,
-    largest,
-    newton_step,
-    turned_by_all,
-)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
 
@@ -80,21 +72,21 @@ def to_limits(P, q, psi, way, target, steps):
     last = 0.0 * psi
     short = CLOSE_BY * math.sqrt(place_[3])
     for _ in range(steps):
-        h, b = half_planes(t, h0, around)
-        d, rates, _, right = newton_step(P, turns, R, p, h, b)
+        h, b = newton_eight.half_planes(t, h0, around)
+        d, rates, _, right = newton_eight.newton_step(P, turns, R, p, h, b)
         ahead = way * way_to_limits(P, along7(q, 1.0, d), rates, way)
         d = along7(d, ahead, rates)
-        size = larger(largest(d), abs(ahead))
-        settled = (size < short) | is_foreseen(size, last, HARDLY)
+        size = larger(newton_eight.largest(d), abs(ahead))
+        settled = (size < short) | newton_eight.is_foreseen(size, last, HARDLY)
         f = MAX_STEP / larger(size, MAX_STEP + 0.0 * size)
-        d = all_times(f, d)
+        d = newton_eight.all_times(f, d)
         q = along7(q, 1.0, d)
         psi = psi + f * ahead
         last = size
         short = LAST_STEP
         met = as_bits(settled & right)
-        if as_bits(settled) == ALL:
+        if as_bits(settled) == newton_eight.ALL:
             break
-        turns = turned_by_all(turns, d)
+        turns = newton_eight.turned_by_all(turns, d)
         around = turned_by(around, f * ahead)
     return q, psi, met

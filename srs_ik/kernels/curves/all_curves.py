@@ -8,33 +8,20 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, short_way, store7
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, scatter
-from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import copy, row
-from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
-from srs_ik.kernels.chain.newton import (
-    CLOSED,
-    LEFT,
-    MAX_STEP,
-    STEPS,
-    close_gently,
-    load_system,
-    longest,
-    moved,
-    pose_step,
-)
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all, width_of_splits
+from srs_ik.kernels.curves import outreach
 from srs_ik.kernels.curves.ends import inside_of_blur
 from srs_ik.kernels.curves.follow import (
     CURVE,
-    FIRST_GUESS,
     correct,
     extend_back,
     follow_through,
     is_known,
-    null_vector,
     put,
     tangent_at,
     vagueness,
@@ -42,23 +29,6 @@ from srs_ik.kernels.curves.follow import (
 from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, on_way, one_of_seven, to_curves
 from srs_ik.kernels.curves.laid import lay_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_behind_ends, put_mark
-from srs_ik.kernels.curves.outreach import (
-    LEAST_BEND,
-    MOST_TURNS,
-    REACH,
-    REACH_RISE,
-    REACH_ROOM,
-    REACH_TURNING,
-    TURNS,
-    best_bends,
-    curvature_of,
-    is_almost_straight,
-    may_be_straight,
-    next_turn,
-    put_reaches,
-    splits_with_ends,
-    way_of,
-)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, FAR, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
@@ -89,10 +59,6 @@ OBLIQUE = 1e-3
 
 CLOSING_STEPS = 16
 """Newton's steps from a start to a curve, at most."""
-
-LEADING_STEPS = 32
-LED = 1e-14
-"""Those with pivots, and the error, m and rad, that they leave."""
 
 MAX_CURVES = 32
 MOST_LEFT = 8
@@ -154,7 +120,7 @@ def put_marks(P, by, angles, oblique, marks, missed):
     for i in range(angles.shape[0]):
         psi = angles[i]
         exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
-        closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+        closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, newton.STEPS)
         put_eight(starts, WIDTH, met, closed)
         # Where a branch has no posture at the arm angle, there may be one next to it.
         which = ALL if oblique else exist
@@ -174,28 +140,6 @@ def put_marks(P, by, angles, oblique, marks, missed):
                 n_missed += 1
                 signs |= 1 << (branch & 3)
     return count, n_missed, signs
-
-
-@kernel
-def lead_to_curve(P, by, q):
-    """The shortest way from a posture to a curve, by Newton's method with pivots: the posture, and whether it is met.
-
-    Where several joints are singular at once, all that tells a posture of the surface from one of the true chain is the
-    square of what axes miss: too little for steps in eight, and for steps that are damped.
-    """
-    for _ in range(LEADING_STEPS):
-        linear, angular = pose_step(P, q, by.target.R, by.target.p, by.J)
-        if max(norm(linear), norm(angular)) < LED:
-            return q, True
-        t, sign = null_vector(by.J, FIRST_GUESS, by.A)
-        load_system(by.J, t, by.A)
-        for i in range(3):
-            by.A[i, 7], by.A[i + 3, 7] = linear[i], angular[i]
-        if sign == 0.0 or solve_linear(by.A, 7) == 0.0:
-            break
-        size = longest(by.A)
-        q = moved(q, by.A, 1.0 if size < MAX_STEP else MAX_STEP / size)
-    return q, False
 
 
 @kernel
@@ -242,24 +186,27 @@ def put_outermost(P, by, which, around, starts, n):
     what is known at all turns, and how many these are for each pair of signs.
     """
     reaches, turns = around
-    curvature = curvature_of(P, level_place(by.target.place))
+    curvature = outreach.curvature_of(P, level_place(by.target.place))
     lowest = -2.0 * HIGHER * P[FAR] / abs(curvature)
     for signs in range(4):
         for k in range(turns[signs] if (which >> signs) & 1 == 1 else 0):
-            i = MOST_TURNS * signs + k
-            a, b = reaches[i], reaches[next_turn(turns, i)]
+            i = outreach.MOST_TURNS * signs + k
+            a, b = reaches[i], reaches[outreach.next_turn(turns, i)]
             if greatest_between(a, b) > lowest and n + 2 <= starts.shape[0]:
-                n = put_pair(P, by, (a, a[2] + short_way(b[2] - a[2]), b[REACH_RISE]), curvature, starts, n)
+                n = put_pair(P, by, (a, a[2] + short_way(b[2] - a[2]), b[outreach.REACH_RISE]), curvature, starts, n)
     return n
 
 
 @kernel
 def greatest_between(a, b):
     """What no room between two turns exceeds, if it is greatest between them; minus infinity where it is not."""
-    width = HIGHEST * 2.0 * math.pi / TURNS
+    width = HIGHEST * 2.0 * math.pi / outreach.TURNS
     ahead = short_way(b[2] - a[2])
-    rises = ahead * a[REACH_RISE] > 0.0 and ahead * b[REACH_RISE] <= 0.0
-    top = min(a[REACH_ROOM] + width * abs(a[REACH_RISE]), b[REACH_ROOM] + width * abs(b[REACH_RISE]))
+    rises = ahead * a[outreach.REACH_RISE] > 0.0 and ahead * b[outreach.REACH_RISE] <= 0.0
+    top = min(
+        a[outreach.REACH_ROOM] + width * abs(a[outreach.REACH_RISE]),
+        b[outreach.REACH_ROOM] + width * abs(b[outreach.REACH_RISE]),
+    )
     return top if rises else -math.inf
 
 
@@ -271,9 +218,9 @@ def well_told(around, known):
     for signs in range(4):
         most = top = -math.inf
         for k in range(turns[signs]):
-            i = MOST_TURNS * signs + k
-            most = max(most, reaches[i, REACH_ROOM])
-            top = max(top, greatest_between(reaches[i], reaches[next_turn(turns, i)]))
+            i = outreach.MOST_TURNS * signs + k
+            most = max(most, reaches[i, outreach.REACH_ROOM])
+            top = max(top, greatest_between(reaches[i], reaches[outreach.next_turn(turns, i)]))
         if most < WELL_TOLD**2 and max(most, top) > -(WELL_TOLD**2):
             told &= ~(1 << signs)
     return told
@@ -286,14 +233,14 @@ def put_pair(P, by, turns, curvature, starts, n):
     The first is given by what is known there, the second by joint 3 and its rise.
     """
     before, end, high = turns
-    begin, low = before[2], before[REACH_RISE]
-    best, room, turning, bending = read7(before), 0.0, way_of(before, REACH_TURNING), NO_SEED
+    begin, low = before[2], before[outreach.REACH_RISE]
+    best, room, turning, bending = read7(before), 0.0, outreach.way_of(before, outreach.REACH_TURNING), NO_SEED
     none = eight_of(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     met = 0
     for _ in range(CUTS):
         part = begin + (end - begin) * low / (low - high)
         there = on_way(best, turning, none + (part - best[2]))
-        q, rooms, rises, turnings, bendings, met = best_bends(P, by.target, there, curvature, False)
+        q, rooms, rises, turnings, bendings, met = outreach.best_bends(P, by.target, there, curvature, False)
         best, room, rise = one_of_seven(q, 0), one_of(rooms, 0), one_of(rises, 0)
         turning, bending = one_of_seven(turnings, 0), one_of_seven(bendings, 0)
         if met != ALL or room > ROOM**2 or abs(rise) < LEVEL or abs(end - begin) < NARROWEST_TURN:
@@ -302,7 +249,7 @@ def put_pair(P, by, turns, curvature, starts, n):
             begin, low, high = part, rise, 0.5 * high
         else:
             end, high, low = part, rise, 0.5 * low
-    if met == ALL and abs(room) < LEAST_BEND**2:
+    if met == ALL and abs(room) < outreach.LEAST_BEND**2:
         store7(row(starts, n), 0, best)
         n += 1
     elif met == ALL and room > 0.0:
@@ -322,12 +269,12 @@ def follow_all(P, by, rows, curves):
     """
     R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
-    around = np.empty((4 * MOST_TURNS, REACH)), np.full(4, TURNS)
+    around = np.empty((4 * outreach.MOST_TURNS, outreach.REACH)), np.full(4, outreach.TURNS)
     known = 0
-    ends = EVERY_SPLIT if is_almost_straight(P, by.target.place) else 0
-    if may_be_straight(P, by.target.place):
-        known, clear = put_reaches(P, by.target, around[0])
-        ends = splits_with_ends(around[0])
+    ends = EVERY_SPLIT if outreach.is_almost_straight(P, by.target.place) else 0
+    if outreach.may_be_straight(P, by.target.place):
+        known, clear = outreach.put_reaches(P, by.target, around[0])
+        ends = outreach.splits_with_ends(around[0])
         if clear == 0b1111 and not oblique:
             count = lay_curves(P, by, around, rows, curves)
             if count >= 0:
@@ -365,10 +312,9 @@ def follow_all(P, by, rows, curves):
         # Where all reaches are known, they tell what these starts might lead to.
         if not brought and i < n_off and (bounced[own] >= MOST_BOUNCED or (told >> own) & 1 == 1):
             continue
-        there, met = lead_to_curve(P, by, q) if i >= n_off else (q, False)
-        q, error = (there, 0.0) if met else close_gently(P, q, R, p, False, by.J, by.A)
+        q, error = newton.close_gently(P, q, R, p, False, by.J, by.A)
         bounced[own] = bounced[own] + 1 if error > BOUNCED else 0
-        if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
+        if error > newton.LEFT or (error > newton.CLOSED and vague >= MOST_LEFT):
             continue
         t, sign = tangent_at(P, by, q)
         # As close to the curve as floats tell, so that it is known where the curve closes.
@@ -385,7 +331,7 @@ def follow_all(P, by, rows, curves):
             continue
         curves[count, 0], curves[count, 1], curves[count, 2] = first, n, 1.0 if closed else 0.0
         count += 1
-        vague += 1 if error > CLOSED else 0
+        vague += 1 if error > newton.CLOSED else 0
     for i in range(n_alone if n + 2 * n_alone <= rows.shape[0] else 0):
         if count < curves.shape[0]:
             curves[count, 0], curves[count, 1], curves[count, 2] = n, n + 2, 0.0

@@ -19,20 +19,7 @@ from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, LEFT, ROUNDING, load_system, longest, moved, pose_step
-from srs_ik.kernels.curves.in_step import (
-    BESIDE,
-    BEYOND,
-    LONGEST_STEP,
-    SAMPLE,
-    SETTLED,
-    SHORTEST_STEP,
-    SHRINKAGE,
-    SMALLEST_COSINE,
-    load_sample,
-    longest_across,
-    most_aside,
-    step_after,
-)
+from srs_ik.kernels.curves import in_step
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
@@ -213,10 +200,10 @@ def share_of_chord(a, b, q):
     to_q = difference(a, q)
     length2 = dot7(chord, chord)
     share = dot7(to_q, chord)
-    if length2 == 0.0 or share < -BESIDE * length2 or share > (1.0 + BESIDE) * length2:
+    if length2 == 0.0 or share < -in_step.BESIDE * length2 or share > (1.0 + in_step.BESIDE) * length2:
         return 2.0
     off = along7(to_q, -share / length2, chord)
-    return share / length2 if dot7(off, off) < BESIDE * BESIDE * length2 + CLOSED else 2.0
+    return share / length2 if dot7(off, off) < in_step.BESIDE * in_step.BESIDE * length2 + CLOSED else 2.0
 
 
 @kernel
@@ -232,9 +219,9 @@ def is_known(P, by, q, t, rows, curves, count):
     """Whether a posture with the oriented null vector t lies on one of the curves."""
     for k in range(count):
         for i in range(int(curves[k, 0]), int(curves[k, 1]) - 1):
-            if abs(short_way(q[0] - rows[i, 1])) > BEYOND or abs(short_way(q[4] - rows[i, 5])) > BEYOND:
+            if abs(short_way(q[0] - rows[i, 1])) > in_step.BEYOND or abs(short_way(q[4] - rows[i, 5])) > in_step.BEYOND:
                 continue
-            a, b = load_sample(rows[i]), load_sample(rows[i + 1])
+            a, b = in_step.load_sample(rows[i]), in_step.load_sample(rows[i + 1])
             share = share_of_chord(a, b, q)
             if share < 2.0 and dot7(t, difference(a, b)) > 0.0 and is_passed(P, by, a, b, share, q):
                 return True
@@ -261,7 +248,7 @@ def strays(by, q, next_q, t, step, cosine):
     """Whether a step along a curve has led so far aside, more than is vague, that it is to another one."""
     made = difference(q, next_q)
     aside = dot7(made, made) - step * step
-    most = most_aside(step, cosine) + SETTLED
+    most = in_step.most_aside(step, cosine) + in_step.SETTLED
     return aside > most and math.sqrt(aside) > math.sqrt(most) + vagueness(by.J, t, by.A)
 
 
@@ -312,13 +299,13 @@ def follow(P, by, q, t, way, rows, n):
     first_t = t
     n0 = n
     length = 0.0
-    step = LONGEST_STEP
+    step = in_step.LONGEST_STEP
     turned_by = NO_SEED
     n = put(rows, n, length, q)
     for _ in range(MOST_STEPS):
         if n >= rows.shape[0]:
             break
-        if step < SHORTEST_STEP:
+        if step < in_step.SHORTEST_STEP:
             next_q, next_t, there = around_corner(P, by, q, t, way, turned_by)
             if not there:
                 break
@@ -329,15 +316,15 @@ def follow(P, by, q, t, way, rows, n):
             continue
         next_q, met = correct(P, by, along7(q, way * step, t), t, dot7(t, q) + way * step)
         if not met:
-            step *= SHRINKAGE
+            step *= in_step.SHRINKAGE
             continue
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
-        jumps = step > longest_across(P) and passes_two(P, q, next_q)
-        if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps or strays(by, q, next_q, next_t, step, cosine):
-            step *= SHRINKAGE
+        jumps = step > in_step.longest_across(P) and passes_two(P, q, next_q)
+        if sign <= 0.0 or cosine < in_step.SMALLEST_COSINE or jumps or strays(by, q, next_q, next_t, step, cosine):
+            step *= in_step.SHRINKAGE
             continue
-        if n - n0 > 2 and dot7(first_t, t) > SMALLEST_COSINE:
+        if n - n0 > 2 and dot7(first_t, t) > in_step.SMALLEST_COSINE:
             share = share_of_chord(q, next_q, first)
             if share <= 1.0 and is_passed(P, by, q, next_q, share, first):
                 return put(rows, n, length + share * step, first), True, q, t
@@ -346,7 +333,7 @@ def follow(P, by, q, t, way, rows, n):
         t = next_t
         length += step
         n = put(rows, n, length, q)
-        step = step_after(step, cosine)
+        step = in_step.step_after(step, cosine)
     return n, False, q, t
 
 
@@ -359,7 +346,7 @@ def reverse(rows, first, n):
     i = first
     j = n - 1
     while i < j:
-        for c in range(SAMPLE):
+        for c in range(in_step.SAMPLE):
             rows[i, c], rows[j, c] = rows[j, c], rows[i, c]
         i += 1
         j -= 1
@@ -372,7 +359,7 @@ def extend_back(P, by, rows, curves, k, n):
     Around a corner it may come back to where it began: then that is all of it.
     """
     first, last = int(curves[k, 0]), int(curves[k, 1])
-    q = load_sample(rows[first])
+    q = in_step.load_sample(rows[first])
     t, sign = tangent_at(P, by, q)
     end, closed, _, _ = follow(P, by, q, t, -1.0, rows, n)
     if sign == 0.0 or end - n < 2:
@@ -384,7 +371,7 @@ def extend_back(P, by, rows, curves, k, n):
     else:
         length = rows[end - 1, 0]
         for i in range(first + 1, last):
-            end = put(rows, end, length + rows[i, 0], load_sample(rows[i]))
+            end = put(rows, end, length + rows[i, 0], in_step.load_sample(rows[i]))
     curves[k, 1] = end
     return end
 

@@ -8,15 +8,9 @@ from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
+from srs_ik.kernels.chain import newton_eight
 from srs_ik.kernels.chain.eight import ALL, take_eight, take_ways
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
-from srs_ik.kernels.chain.newton_eight import (
-    all_times,
-    curve_step,
-    is_foreseen,
-    largest,
-    turned_by_all,
-)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
@@ -163,8 +157,8 @@ def step_in_step(P, R, p, rows, alive):
     left = alive
     last = FARTHEST / SHRINKING * step
     for _ in range(CORRECTIONS):
-        d, t, _, right = curve_step(P, turns, R, p, way, none)
-        size = largest(d)
+        d, t, _, right = newton_eight.curve_step(P, turns, R, p, way, none)
+        size = newton_eight.largest(d)
         settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
@@ -172,7 +166,7 @@ def step_in_step(P, R, p, rows, alive):
         if left & ~as_bits(settled) == 0:
             break
         last = size
-        turns = turned_by_all(turns, d)
+        turns = newton_eight.turned_by_all(turns, d)
     cosine = dot7(way, t)
     made = along7(q, -1.0, before)
     met &= as_bits((cosine > SMALLEST_COSINE) & is_along(made, way, cosine, SETTLED))
@@ -193,17 +187,17 @@ def to_curves(P, R, p, q, which, until):
     steps, short = until
     last = 0.0 * q[0] + MAX_STEP
     for _ in range(steps):
-        d, t, _, right = curve_step(P, turns, R, p, q, 0.0 * q[0])
+        d, t, _, right = newton_eight.curve_step(P, turns, R, p, q, 0.0 * q[0])
         d = along7(d, -dot7(t, d), t)
-        size = largest(d)
-        settled = (size < LAST_STEP) | is_foreseen(size, last, short)
-        d = all_times(MAX_STEP / larger(size, MAX_STEP + 0.0 * size), d)
+        size = newton_eight.largest(d)
+        settled = (size < LAST_STEP) | newton_eight.is_foreseen(size, last, short)
+        d = newton_eight.all_times(MAX_STEP / larger(size, MAX_STEP + 0.0 * size), d)
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         if which & ~as_bits(settled) == 0:
             break
         last = size
-        turns = turned_by_all(turns, d)
+        turns = newton_eight.turned_by_all(turns, d)
     return q, t, met
 
 
@@ -244,8 +238,8 @@ def between_eight(P, by, start, chord):
     met = 0
     last = before = 0.0 * q[0] + math.inf
     for _ in range(CORRECTIONS):
-        d, t, _, right = curve_step(P, turns, R, p, chord, dot7(chord, along7(start, -1.0, q)))
-        size = largest(d)
+        d, t, _, right = newton_eight.curve_step(P, turns, R, p, chord, dot7(chord, along7(start, -1.0, q)))
+        size = newton_eight.largest(d)
         settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
@@ -253,7 +247,7 @@ def between_eight(P, by, start, chord):
         if as_bits(settled | (size > SHRINKING * before)) == ALL:
             break
         before, last = last, size
-        turns = turned_by_all(turns, d)
+        turns = newton_eight.turned_by_all(turns, d)
     return q, t, met
 
 

@@ -14,24 +14,9 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.chain.eight import put_eight, take_ways
+from srs_ik.kernels.curves import outreach
 from srs_ik.kernels.curves.follow import reverse
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample, to_curves
-from srs_ik.kernels.curves.outreach import (
-    MOST_ENDS,
-    MOST_TURNS,
-    REACH,
-    REACH_RISE,
-    REACH_ROOM,
-    REACH_TURNING,
-    across2_of,
-    best_at,
-    copy_reach,
-    find_ends,
-    insert_turns,
-    length2_of,
-    next_turn,
-    room_at,
-)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
 
@@ -68,7 +53,7 @@ def put_node(nodes, n, reach, at_end):
         if not at_end or n == 1:
             return n
         n -= 1
-    copy(reach, row(nodes, n), REACH)
+    copy(reach, row(nodes, n), outreach.REACH)
     return n + 1
 
 
@@ -78,8 +63,8 @@ def spread(nodes, k, length, stations, first, n):
 
     From row k of nodes on, as distances; not beyond the middle, nor where samples are as far apart as they may be.
     """
-    turning2 = length2_of(nodes[k], REACH_TURNING)
-    size = 0.25 * abs(nodes[k, REACH_RISE]) * across2_of(nodes[k]) / turning2
+    turning2 = outreach.length2_of(nodes[k], outreach.REACH_TURNING)
+    size = 0.25 * abs(nodes[k, outreach.REACH_RISE]) * outreach.across2_of(nodes[k]) / turning2
     before, bend = 0.0, 0.0
     stations[first + n] = 0.0
     n += 1
@@ -101,7 +86,7 @@ def put_stations(nodes, n, is_whole, ways, stations):
     `ways` holds the distances of the nodes.
     """
     length = ways[n - 1]
-    longest = LONGEST / math.sqrt(length2_of(nodes[0], REACH_TURNING))
+    longest = LONGEST / math.sqrt(outreach.length2_of(nodes[0], outreach.REACH_TURNING))
     m, back = 1, 1
     stations[0], stations[MOST_STATIONS] = 0.0, 0.0
     if not is_whole:
@@ -140,7 +125,7 @@ def lay_stretch(nodes, n, is_whole, work, out):
         while i < n - 2 and stations[k] > ways[i + 1]:
             i += 1
         a, b, share = nodes[i], nodes[i + 1], (stations[k] - ways[i]) / (ways[i + 1] - ways[i])
-        (q, bending), room = best_at(a, b, share), room_at(a, b, share)
+        (q, bending), room = outreach.best_at(a, b, share), outreach.room_at(a, b, share)
         at_end = not is_whole and k in (0, m - 1)
         if not (room > 0.0 or at_end):
             return -1, count
@@ -164,15 +149,15 @@ def put_stretch(around, ends, n_ends, gaps, i, nodes):
     Returns the number of rows.
     """
     reaches, turns = around
-    signs = int(gaps[i]) // MOST_TURNS
+    signs = int(gaps[i]) // outreach.MOST_TURNS
     # The next one of the same signs, all around.
     j = i + 1 if i + 1 < n_ends else 0
-    while int(gaps[j]) // MOST_TURNS != signs:
+    while int(gaps[j]) // outreach.MOST_TURNS != signs:
         j = j + 1 if j + 1 < n_ends else 0
     n = put_node(nodes, 0, ends[i], True)
     at = int(gaps[i])
     while at != int(gaps[j]):
-        at = next_turn(turns, at)
+        at = outreach.next_turn(turns, at)
         n = put_node(nodes, n, reaches[at], False)
     return put_node(nodes, n, ends[j], True)
 
@@ -180,21 +165,24 @@ def put_stretch(around, ends, n_ends, gaps, i, nodes):
 @kernel
 def lay_predicted(around, ends, n_ends, gaps, out):
     """Lay out all curves of a pose, not yet on the true chain: rows and curves in use, -1 for the rows if not told."""
-    nodes, work = np.empty((MOST_TURNS + 2, REACH)), (np.empty(MOST_TURNS + 2), np.empty(2 * MOST_STATIONS))
+    nodes, work = (
+        np.empty((outreach.MOST_TURNS + 2, outreach.REACH)),
+        (np.empty(outreach.MOST_TURNS + 2), np.empty(2 * MOST_STATIONS)),
+    )
     reaches, turns = around
     rows, curves = out
     n, count = 0, 0
     ended = 0
     for i in range(n_ends):
-        ended |= 1 << (int(gaps[i]) // MOST_TURNS)
-        if n >= 0 and reaches[int(gaps[i]), REACH_ROOM] <= 0.0:
+        ended |= 1 << (int(gaps[i]) // outreach.MOST_TURNS)
+        if n >= 0 and reaches[int(gaps[i]), outreach.REACH_ROOM] <= 0.0:
             used = put_stretch(around, ends, n_ends, gaps, i, nodes)
             n, count = lay_stretch(nodes, used, False, work, (rows, curves, n, count))
     for signs in range(4):
-        first = MOST_TURNS * signs
-        if n >= 0 and (ended >> signs) & 1 == 0 and reaches[first, REACH_ROOM] > 0.0:
+        first = outreach.MOST_TURNS * signs
+        if n >= 0 and (ended >> signs) & 1 == 0 and reaches[first, outreach.REACH_ROOM] > 0.0:
             for k in range(turns[signs] + 1):
-                copy_reach(reaches, first + k % turns[signs], nodes, k)
+                outreach.copy_reach(reaches, first + k % turns[signs], nodes, k)
             n, count = lay_stretch(nodes, turns[signs] + 1, True, work, (rows, curves, n, count))
     return n, count
 
@@ -228,9 +216,9 @@ def lay_curves(P, by, around, rows, curves):
     For poses with shoulder and wrist away from singular at all turns. `around` is what is known there (`put_reaches`),
     and how many these are for each pair of signs; others are put between them.
     """
-    ends, gaps = np.empty((MOST_ENDS, REACH)), np.empty(MOST_ENDS)
-    insert_turns(P, by, around)
-    n_ends = find_ends(P, by, around, ends, gaps)
+    ends, gaps = np.empty((outreach.MOST_ENDS, outreach.REACH)), np.empty(outreach.MOST_ENDS)
+    outreach.insert_turns(P, by, around)
+    n_ends = outreach.find_ends(P, by, around, ends, gaps)
     if n_ends < 0:
         return -1
     n, count = lay_predicted(around, ends, n_ends, gaps, (rows, curves))

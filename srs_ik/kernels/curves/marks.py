@@ -12,25 +12,8 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short
 from srs_ik.kernels.algebra.lanes import as_bits, one_of, root, scatter, where
 from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, take_ways
+from srs_ik.kernels.curves import in_step
 from srs_ik.kernels.curves.follow import ALMOST_CROSSED, go_along, tangent_at, way_across
-from srs_ik.kernels.curves.in_step import (
-    BESIDE,
-    LANE,
-    LANE_BEND,
-    LANE_STEP,
-    LONGEST_STEP,
-    SAMPLE,
-    SHORTEST_STEP,
-    SHRINKAGE,
-    VAGUE,
-    crosses_two,
-    is_along,
-    load_sample,
-    put_sample,
-    short_ways,
-    step_after,
-    step_in_step,
-)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
 
@@ -66,13 +49,13 @@ def read_way(mark):
 def ways_to(mark, q):
     """The short ways from eight postures to a mark."""
     return (
-        short_ways(mark[0] - q[0]),
-        short_ways(mark[1] - q[1]),
-        short_ways(mark[2] - q[2]),
-        short_ways(mark[3] - q[3]),
-        short_ways(mark[4] - q[4]),
-        short_ways(mark[5] - q[5]),
-        short_ways(mark[6] - q[6]),
+        in_step.short_ways(mark[0] - q[0]),
+        in_step.short_ways(mark[1] - q[1]),
+        in_step.short_ways(mark[2] - q[2]),
+        in_step.short_ways(mark[3] - q[3]),
+        in_step.short_ways(mark[4] - q[4]),
+        in_step.short_ways(mark[5] - q[5]),
+        in_step.short_ways(mark[6] - q[6]),
     )
 
 
@@ -87,9 +70,9 @@ def shares_of_ways(P, q, way, chord, mark, to_mark):
     share = along_chord / length2
     off2 = dot7(to_mark, to_mark) - share * along_chord
     ahead = dot7(read_way(mark), chord)
-    along = is_along(to_mark, way, dot7(read_way(mark), way), VAGUE)
-    beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2) & along
-    jumps = crosses_two(P, q, along7(q, 1.0, to_mark), share * root(length2))
+    along = in_step.is_along(to_mark, way, dot7(read_way(mark), way), in_step.VAGUE)
+    beside = (ahead > 0.0) & (off2 < in_step.BESIDE * in_step.BESIDE * length2) & along
+    jumps = in_step.crosses_two(P, q, along7(q, 1.0, to_mark), share * root(length2))
     share = where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
     return where(jumps, 2.0 + 0.0 * share, share)
 
@@ -97,17 +80,17 @@ def shares_of_ways(P, q, way, chord, mark, to_mark):
 @kernel
 def find_passed(P, before, after, which, marks, count):
     """The first mark on the way of each of eight curves, of those that are named by bits (-1: none), and its share."""
-    q = take_eight(before, LANE)
-    chord = along7(take_eight(after, LANE), -1.0, q)
-    way = take_ways(before, 7, LANE)
+    q = take_eight(before, in_step.LANE)
+    chord = along7(take_eight(after, in_step.LANE), -1.0, q)
+    way = take_ways(before, 7, in_step.LANE)
     # Farther away than the chord is long and a mark may be aside, none is passed.
-    reach2 = (1.0 + 2.0 * BESIDE * BESIDE) * dot7(chord, chord)
+    reach2 = (1.0 + 2.0 * in_step.BESIDE * in_step.BESIDE) * dot7(chord, chord)
     reach = root(reach2)
     shares = 2.0 + 0.0 * reach
     passed = shares - 3.0
     for m in range(count):
         mark = marks[m]
-        near = (abs(short_ways(q[0] - mark[0])) < reach) & (abs(short_ways(q[4] - mark[4])) < reach)
+        near = (abs(in_step.short_ways(q[0] - mark[0])) < reach) & (abs(in_step.short_ways(q[4] - mark[4])) < reach)
         if which & as_bits(near) == 0:
             continue
         to_mark = ways_to(mark, q)
@@ -124,9 +107,9 @@ def find_passed(P, before, after, which, marks, count):
 def load_lane(lanes, i, mark):
     """Begin to follow a curve at a mark."""
     copy(mark, row(lanes, i), 14)
-    for c in range(LANE_BEND, LANE_STEP):
+    for c in range(in_step.LANE_BEND, in_step.LANE_STEP):
         lanes[i, c] = 0.0
-    lanes[i, LANE_STEP] = LONGEST_STEP
+    lanes[i, in_step.LANE_STEP] = in_step.LONGEST_STEP
 
 
 @kernel
@@ -136,7 +119,7 @@ def keep_piece(line, first, n, pieces, used, mark, following):
     mark[MARK_FIRST] = used
     for i in range(n):
         if used < pieces.shape[0]:
-            copy(row(line, first + i), row(pieces, used), SAMPLE)
+            copy(row(line, first + i), row(pieces, used), in_step.SAMPLE)
             used += 1
     mark[MARK_LAST] = used
     return used
@@ -146,9 +129,9 @@ def keep_piece(line, first, n, pieces, used, mark, following):
 def follow_marks(P, target, marks, starts, pieces):
     """Follow the curve of each of the first marks (`starts` of them) to the next of all, into rows of pieces."""
     count = marks.shape[0]
-    lanes = np.empty((8, LANE))
-    after = np.empty((8, LANE))
-    line = np.empty((8 * LONGEST_PIECE, SAMPLE))
+    lanes = np.empty((8, in_step.LANE))
+    after = np.empty((8, in_step.LANE))
+    line = np.empty((8 * LONGEST_PIECE, in_step.SAMPLE))
     mark_of = np.empty(8, np.int64)
     length = np.empty(8, np.int64)
     waiting = 0
@@ -159,14 +142,14 @@ def follow_marks(P, target, marks, starts, pieces):
         load_lane(lanes, i, marks[min(waiting, starts - 1)])
         if waiting < starts:
             mark_of[i], length[i] = waiting, 1
-            put_sample(line, i * LONGEST_PIECE, 0.0, read7(marks[waiting]))
+            in_step.put_sample(line, i * LONGEST_PIECE, 0.0, read7(marks[waiting]))
             alive |= 1 << i
             waiting += 1
     while alive != 0:
-        q, t, there, cosine = step_in_step(P, target.R, target.p, row(lanes, 0), alive)
-        put_eight(row(after, 0), LANE, ALL, q)
+        q, t, there, cosine = in_step.step_in_step(P, target.R, target.p, row(lanes, 0), alive)
+        put_eight(row(after, 0), in_step.LANE, ALL, q)
         for j in range(7):
-            scatter(row(after, 0), 7 + j, LANE, t[j])
+            scatter(row(after, 0), 7 + j, in_step.LANE, t[j])
         passed, shares = find_passed(P, row(lanes, 0), row(after, 0), there & alive, marks, count)
         for i in range(8):
             if (alive >> i) & 1 == 0:
@@ -174,23 +157,23 @@ def follow_marks(P, target, marks, starts, pieces):
             done = False
             following = -1
             first = i * LONGEST_PIECE
-            step = lanes[i, LANE_STEP]
+            step = lanes[i, in_step.LANE_STEP]
             if (there >> i) & 1 == 0:
-                lanes[i, LANE_STEP] = SHRINKAGE * step
-                done = SHRINKAGE * step < SHORTEST_STEP
+                lanes[i, in_step.LANE_STEP] = in_step.SHRINKAGE * step
+                done = in_step.SHRINKAGE * step < in_step.SHORTEST_STEP
             else:
                 n = length[i]
                 x = line[first + n - 1, 0]
                 following = int(one_of(passed, i))
                 if following >= 0:
-                    put_sample(line, first + n, x + one_of(shares, i) * step, read7(marks[following]))
+                    in_step.put_sample(line, first + n, x + one_of(shares, i) * step, read7(marks[following]))
                     done = True
                 else:
-                    put_sample(line, first + n, x + step, read7(row(after, i)))
+                    in_step.put_sample(line, first + n, x + step, read7(row(after, i)))
                     for j in range(7):
-                        lanes[i, LANE_BEND + j] = (after[i, 7 + j] - lanes[i, 7 + j]) / step
+                        lanes[i, in_step.LANE_BEND + j] = (after[i, 7 + j] - lanes[i, 7 + j]) / step
                     copy(row(after, i), row(lanes, i), 14)
-                    lanes[i, LANE_STEP] = step_after(step, one_of(cosine, i))
+                    lanes[i, in_step.LANE_STEP] = in_step.step_after(step, one_of(cosine, i))
                     done = n + 2 >= LONGEST_PIECE
                 length[i] = n + 1
             if done:
@@ -199,7 +182,7 @@ def follow_marks(P, target, marks, starts, pieces):
                 if waiting < starts:
                     load_lane(lanes, i, marks[waiting])
                     mark_of[i], length[i] = waiting, 1
-                    put_sample(line, first, 0.0, read7(marks[waiting]))
+                    in_step.put_sample(line, first, 0.0, read7(marks[waiting]))
                     alive |= 1 << i
                     waiting += 1
     keep(lanes)
@@ -249,7 +232,7 @@ def join_pieces(marks, count, pieces, rows, curves):
                 for i in range(int(marks[at, MARK_FIRST]), int(marks[at, MARK_LAST])):
                     # The last posture of a piece is the first one of the next.
                     if (n == first or i > int(marks[at, MARK_FIRST])) and n < rows.shape[0]:
-                        put_sample(rows, n, length + pieces[i, 0], load_sample(pieces[i]))
+                        in_step.put_sample(rows, n, length + pieces[i, 0], in_step.load_sample(pieces[i]))
                         n += 1
                 if n > first:
                     length = rows[n - 1, 0]
@@ -266,7 +249,7 @@ def put_behind_ends(P, by, rows, curves, count, starts, n):
     """Append starts to both sides of the ends of open curves that almost cross others there; their number."""
     for k in range(count):
         for end in range(2 if curves[k, 2] == 0.0 else 0):
-            q = load_sample(rows[int(curves[k, end]) - end])
+            q = in_step.load_sample(rows[int(curves[k, end]) - end])
             t, sign = tangent_at(P, by, q)
             s, size = way_across(P, by, q, t)
             if sign == 0.0 or size * ALMOST_CROSSED < 1.0:

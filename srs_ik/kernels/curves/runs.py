@@ -132,8 +132,6 @@ def cut(P, by, branch, curve, out, used):
             used = put_run(P, by.respect, branch, curve, (begin, end), out, used)
         f_before = f0 if f0 > 0.0 else -1.0
         x0, f0 = x1, f1
-    if last - first == 1 and f0 <= 0.0:
-        used = put_run(P, by.respect, branch, curve, (begin, begin), out, used)
     return used
 
 

@@ -10,16 +10,8 @@ from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import limb as at
+from srs_ik.kernels.layout import search
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
-from srs_ik.kernels.layout.search import (
-    SPLIT_ARM_ANGLE,
-    SPLIT_BOTH,
-    SPLIT_BRANCH,
-    SPLIT_EVERYWHERE,
-    SPLIT_FIRST,
-    SPLIT_LOWER,
-    SPLIT_UPPER,
-)
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, is_in_line, may_split, wide_limb
@@ -87,18 +79,18 @@ def write_segments(P, q, k, first, respect, branch, both, psi, everywhere, out, 
             break
         a, b = (low, high) if toward > 0.0 else (high, low)
         r = row(out, n)
-        r[SPLIT_BRANCH] = branch
-        r[SPLIT_BOTH] = 1.0 if both else 0.0
-        r[SPLIT_ARM_ANGLE] = psi
-        r[SPLIT_EVERYWHERE] = 1.0 if everywhere else 0.0
-        r[SPLIT_FIRST] = first
+        r[search.SPLIT_BRANCH] = branch
+        r[search.SPLIT_BOTH] = 1.0 if both else 0.0
+        r[search.SPLIT_ARM_ANGLE] = psi
+        r[search.SPLIT_EVERYWHERE] = 1.0 if everywhere else 0.0
+        r[search.SPLIT_FIRST] = first
         for end in range(2):
             x = a if end == 0 else b
             q1, q3 = toward * x, whole - x
             if respect:
                 q1 = min(max(q1, P[at.LOWER + first]), P[at.UPPER + first])
                 q3 = min(max(q3, P[at.LOWER + first + 2]), P[at.UPPER + first + 2])
-            store7(r, SPLIT_LOWER if end == 0 else SPLIT_UPPER, with_outer(q, first, q1, q3))
+            store7(r, search.SPLIT_LOWER if end == 0 else search.SPLIT_UPPER, with_outer(q, first, q1, q3))
         n += 1
     return n
 

@@ -12,16 +12,8 @@ import math
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, rotate, scale, swing
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import search as at
 from srs_ik.kernels.layout.limb import A1, A2, FIRST_JOINT, INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, UPPER, WRIST
-from srs_ik.kernels.layout.search import (
-    CLIMB,
-    CLIMB_ACTIVE,
-    CLIMB_COST,
-    CLIMB_COSTS,
-    CLIMB_PSI,
-    CLIMB_RATE,
-    CLIMB_RATES,
-)
 from srs_ik.kernels.limb.branches import NO_BRANCH, anchor
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle
@@ -52,13 +44,13 @@ def put_joint(P, joint, q, rate, outside, point):
     q = turn_to_middle(P, joint, q)
     if outside:
         above, below = q - P[UPPER + joint], P[LOWER + joint] - q
-        point[CLIMB_COSTS + joint] = max(above, below)
-        point[CLIMB_RATES + joint] = rate if above > below else -rate
+        point[at.CLIMB_COSTS + joint] = max(above, below)
+        point[at.CLIMB_RATES + joint] = rate if above > below else -rate
         return
     off = q - P[MIDDLE + joint]
     inverse = P[INVERSE_HALF_RANGE + joint]
-    point[CLIMB_COSTS + joint] = abs(off) * inverse - 1.0
-    point[CLIMB_RATES + joint] = math.copysign(inverse, off) * rate
+    point[at.CLIMB_COSTS + joint] = abs(off) * inverse - 1.0
+    point[at.CLIMB_RATES + joint] = math.copysign(inverse, off) * rate
 
 
 @kernel
@@ -91,14 +83,14 @@ def look(P, side, axes, branch, psi, outside, point):
     turn = (math.cos(psi), math.sin(psi))
     shoulder = put_half(P, SHOULDER, (side[1], axes[0]), turn, (branch >> 1) & 1, outside, point)
     wrist = put_half(P, WRIST, (side[2], axes[1]), turn, branch & 1, outside, point)
-    point[CLIMB_COSTS + 3], point[CLIMB_RATES + 3] = -math.inf, 0.0
+    point[at.CLIMB_COSTS + 3], point[at.CLIMB_RATES + 3] = -math.inf, 0.0
     active = 0
     for j in range(1, 7):
-        if point[CLIMB_COSTS + j] > point[CLIMB_COSTS + active]:
+        if point[at.CLIMB_COSTS + j] > point[at.CLIMB_COSTS + active]:
             active = j
-    point[CLIMB_PSI], point[CLIMB_ACTIVE] = psi, active
-    point[CLIMB_COST] = point[CLIMB_COSTS + active] if shoulder and wrist else NO_BRANCH
-    point[CLIMB_RATE] = point[CLIMB_RATES + active]
+    point[at.CLIMB_PSI], point[at.CLIMB_ACTIVE] = psi, active
+    point[at.CLIMB_COST] = point[at.CLIMB_COSTS + active] if shoulder and wrist else NO_BRANCH
+    point[at.CLIMB_RATE] = point[at.CLIMB_RATES + active]
 
 
 @kernel
@@ -132,19 +124,19 @@ def downhill(point, costs, rates, active):
 @kernel
 def between(a, b):
     """Where the minimum between two points is: where the rate of one joint vanishes, or the tangents of two meet."""
-    width = b[CLIMB_PSI] - a[CLIMB_PSI]
-    slope = b[CLIMB_RATE] - a[CLIMB_RATE]
+    width = b[at.CLIMB_PSI] - a[at.CLIMB_PSI]
+    slope = b[at.CLIMB_RATE] - a[at.CLIMB_RATE]
     if slope <= 0.0:
-        return a[CLIMB_PSI] + 0.5 * width
-    if a[CLIMB_ACTIVE] == b[CLIMB_ACTIVE]:
-        return a[CLIMB_PSI] - a[CLIMB_RATE] * width / slope
-    return a[CLIMB_PSI] + (a[CLIMB_COST] - b[CLIMB_COST] + b[CLIMB_RATE] * width) / slope
+        return a[at.CLIMB_PSI] + 0.5 * width
+    if a[at.CLIMB_ACTIVE] == b[at.CLIMB_ACTIVE]:
+        return a[at.CLIMB_PSI] - a[at.CLIMB_RATE] * width / slope
+    return a[at.CLIMB_PSI] + (a[at.CLIMB_COST] - b[at.CLIMB_COST] + b[at.CLIMB_RATE] * width) / slope
 
 
 @kernel
 def copy_point(source, target):
     """Copy a point."""
-    for i in range(CLIMB):
+    for i in range(at.CLIMB):
         target[i] = source[i]
 
 
@@ -153,7 +145,7 @@ def next_step(points, span, step):
     """Where to look next: inside of a span that is known to hold a summit, or at an end of it."""
     a, b, x = row(points, 0), row(points, 1), row(points, 2)
     lower, upper, below, above = span
-    to = x[CLIMB_PSI] + downhill(x, CLIMB_COSTS, CLIMB_RATES, int(x[CLIMB_ACTIVE]))
+    to = x[at.CLIMB_PSI] + downhill(x, at.CLIMB_COSTS, at.CLIMB_RATES, int(x[at.CLIMB_ACTIVE]))
     if below and above:
         if not lower < to < upper:
             to = between(a, b)
@@ -174,13 +166,13 @@ def summit(P, side, axes, branch, span, outside, points):
     lower, psi, upper = span
     a, b, x = row(points, 0), row(points, 1), row(points, 2)
     look(P, side, axes, branch, psi, outside, x)
-    best, lowest = psi, x[CLIMB_COST]
+    best, lowest = psi, x[at.CLIMB_COST]
     below, above, width, fastest = False, False, upper - lower, 0.0
     for step in range(MOST_STEPS):
-        if x[CLIMB_RATE] == 0.0:
+        if x[at.CLIMB_RATE] == 0.0:
             return best, False
-        fastest = max(fastest, abs(x[CLIMB_RATE]))
-        if x[CLIMB_RATE] < 0.0:
+        fastest = max(fastest, abs(x[at.CLIMB_RATE]))
+        if x[at.CLIMB_RATE] < 0.0:
             copy_point(x, a)
             lower, below = psi, True
         else:
@@ -192,9 +184,9 @@ def summit(P, side, axes, branch, span, outside, points):
         way = abs(to - psi)
         psi = to
         look(P, side, axes, branch, psi, outside, x)
-        if x[CLIMB_COST] < lowest:
-            best, lowest = psi, x[CLIMB_COST]
-        if way < CLOSED_IN * width and way * abs(x[CLIMB_RATE]) < CLOSED_IN:
+        if x[at.CLIMB_COST] < lowest:
+            best, lowest = psi, x[at.CLIMB_COST]
+        if way < CLOSED_IN * width and way * abs(x[at.CLIMB_RATE]) < CLOSED_IN:
             return best, fastest < STEEP
     return best, False
 

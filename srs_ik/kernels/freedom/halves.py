@@ -13,21 +13,8 @@ from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, root,
 from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
 from srs_ik.kernels.exact.glance import eight_angles
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb
 from srs_ik.kernels.layout.freedom import ARM_ANGLES, BRANCH_COST, ELBOW_COST, HALF, HALF_COST
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A1_A2,
-    A2_A3,
-    BOTTOM_GAP,
-    INVERSE_HALF_RANGE,
-    LOWER,
-    MIDDLE,
-    PHASE,
-    SHOULDER,
-    SLACK_REACH,
-    TOP_GAP,
-    UPPER,
-)
 from srs_ik.kernels.limb.branches import NO_BRANCH
 
 STEEP = 30.0
@@ -43,11 +30,11 @@ PER_TURN = 1.0 / TURN
 @kernel
 def middle_eight(P, k, v):
     """`spherical.middle_angle` of eight directions."""
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + limb.A1)
     up, down = sub(v, a1), add(v, a1)
     top2, bottom2 = dot(up, up), dot(down, down)
-    top, bottom = 0.5 * top2 - P[k + TOP_GAP], 0.5 * bottom2 - P[k + BOTTOM_GAP]
-    slack = P[SLACK_REACH]
+    top, bottom = 0.5 * top2 - P[k + limb.TOP_GAP], 0.5 * bottom2 - P[k + limb.BOTTOM_GAP]
+    slack = P[limb.SLACK_REACH]
     reached = (top + slack * root(top2) > -TINY) & (bottom + slack * root(bottom2) > -TINY)
     top, bottom = where(top > 0.0, top, 0.0), where(bottom > 0.0, bottom, 0.0)
     share = 1.0 / (top + bottom)
@@ -57,7 +44,7 @@ def middle_eight(P, k, v):
 @kernel
 def outside(P, joint, q):
     """How far eight angles are outside the limits."""
-    return larger(larger(P[LOWER + joint] - q, q - P[UPPER + joint]), 0.0)
+    return larger(larger(P[limb.LOWER + joint] - q, q - P[limb.UPPER + joint]), 0.0)
 
 
 @kernel
@@ -68,10 +55,10 @@ def within(P, joint, q, seeded, wish):
     one is a turn away; its cost is the squared distance. Without one, the wish is the middle between the limits: a turn
     inside them is nearest to it, and costs minus its margin.
     """
-    lower, upper = P[LOWER + joint], P[UPPER + joint]
+    lower, upper = P[limb.LOWER + joint], P[limb.UPPER + joint]
     near = q + TURN * whole_number((wish - q) * PER_TURN)
     if not seeded:
-        return near, abs(near - wish) * P[INVERSE_HALF_RANGE + joint] - 1.0, outside(P, joint, near)
+        return near, abs(near - wish) * P[limb.INVERSE_HALF_RANGE + joint] - 1.0, outside(P, joint, near)
     away = near - wish
     cost = away * away
     if lower == -math.inf and upper == math.inf:
@@ -82,7 +69,7 @@ def within(P, joint, q, seeded, wish):
         other = other + TURN * whole_number(larger(lower - near, 0.0) * PER_TURN + 0.5)
     else:
         # Inside the limits is at most the turn nearest to the middle of the range.
-        other = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
+        other = q + TURN * whole_number((P[limb.MIDDLE + joint] - q) * PER_TURN)
     away = other - wish
     others, outs = away * away, outside(P, joint, other)
     worse = cost + STEEP * out > others + STEEP * outs
@@ -110,10 +97,10 @@ def write_eight(P, first, q, reached, goal, table, at):
 @kernel
 def write_halves(P, k, circles, sought, table):
     """Write both solutions of a spherical joint, and their costs, at arm angles all around."""
-    first, half = (0, 0) if k == SHOULDER else (4, 2)
+    first, half = (0, 0) if k == limb.SHOULDER else (4, 2)
     wish = sought.wish
     here = sought.seeded, (wish[first], wish[first + 1], wish[first + 2])
-    loose = sought.loose and k != SHOULDER
+    loose = sought.loose and k != limb.SHOULDER
     v0, y0, _ = circles
     for i in range(0, ARM_ANGLES, LANES):
         steps = float(i) + eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
@@ -124,8 +111,8 @@ def write_halves(P, k, circles, sought, table):
         if loose:
             q = q[0], q[1], where(reached, wish[6], wish[6])
         write_eight(P, first, q, reached, here, table, half * HALF * ARM_ANGLES + i)
-        if max(abs(P[k + A1_A2]), abs(P[k + A2_A3])) < ALMOST_ACROSS:
-            q = q[0] + math.pi, 2.0 * P[k + PHASE] - q[1], q[2] + math.pi
+        if max(abs(P[k + limb.A1_A2]), abs(P[k + limb.A2_A3])) < ALMOST_ACROSS:
+            q = q[0] + math.pi, 2.0 * P[k + limb.PHASE] - q[1], q[2] + math.pi
         else:
             q = eight_angles(P, k, v, y, c, -s)
         if loose:

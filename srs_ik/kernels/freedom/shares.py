@@ -9,19 +9,8 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.freedom import system
 from srs_ik.kernels.freedom.elimination import BASIC_ROW, INVERSE, RHS
-from srs_ik.kernels.freedom.system import (
-    ASIDE,
-    REST_ROW,
-    STEP_ROW,
-    WAYS,
-    bends_up,
-    eliminate,
-    multipliers,
-    put_bends,
-    turn_all_down,
-    turn_down,
-)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
 from srs_ik.kernels.limb.poses import read7
@@ -63,7 +52,7 @@ def slope_along(P, M, mark, k):
     """How fast a joint's share rises along way k."""
     j = mark // 2
     side = P[INVERSE_HALF_RANGE + j] if mark % 2 == 1 else -P[INVERSE_HALF_RANGE + j]
-    return side * M[WAYS + k, j]
+    return side * M[system.WAYS + k, j]
 
 
 @kernel
@@ -71,7 +60,7 @@ def share_before(P, M, q, mark):
     """A joint's share after the step that meets the pose, before any along the ways."""
     j = mark // 2
     side = P[INVERSE_HALF_RANGE + j] if mark % 2 == 1 else -P[INVERSE_HALF_RANGE + j]
-    return side * (q[j] + M[STEP_ROW, j] - P[MIDDLE + j])
+    return side * (q[j] + M[system.STEP_ROW, j] - P[MIDDLE + j])
 
 
 @kernel
@@ -81,9 +70,9 @@ def worst_of(P, K, M, q, n):
     for j in range(7):
         if P[INVERSE_HALF_RANGE + j] <= 0.0:
             continue
-        away = q[j] + M[STEP_ROW, j] - P[MIDDLE + j]
+        away = q[j] + M[system.STEP_ROW, j] - P[MIDDLE + j]
         for k in range(n):
-            away += M[WAYS + k, j] * K[k, RHS]
+            away += M[system.WAYS + k, j] * K[k, RHS]
         share = P[INVERSE_HALF_RANGE + j] * abs(away)
         if share > most:
             worst, most = 2 * j + (1 if away > 0.0 else 0), share
@@ -96,8 +85,8 @@ def even_out(K, M, m, n, i):
     for k in range(n):
         rest = K[i, EVENED + k]
         for j in range(k):
-            rest -= M[m + k, ASIDE + j] * K[i, EVENED + j]
-        K[i, EVENED + k] = rest / M[m + k, ASIDE + k]
+            rest -= M[m + k, system.ASIDE + j] * K[i, EVENED + j]
+        K[i, EVENED + k] = rest / M[m + k, system.ASIDE + k]
 
 
 @kernel
@@ -129,7 +118,7 @@ def solve_on_top(K, M, m, n, count):
         K[i, RHS] = total
         K[i, count] = K[count, i] = 1.0
     K[count, count], K[count, RHS] = 0.0, 1.0
-    eliminate(K, count + 1)
+    system.eliminate(K, count + 1)
     share = K[count, RHS]
     for i in range(count - 1, -1, -1):
         K[n + 1 + i, RHS] = K[i, RHS]
@@ -139,8 +128,8 @@ def solve_on_top(K, M, m, n, count):
         for i in range(count):
             rest -= K[n + 1 + i, RHS] * K[i, EVENED + k]
         for j in range(k + 1, n):
-            rest -= M[m + j, ASIDE + k] * K[j, RHS]
-        K[k, RHS] = rest / M[m + k, ASIDE + k]
+            rest -= M[m + j, system.ASIDE + k] * K[j, RHS]
+        K[k, RHS] = rest / M[m + k, system.ASIDE + k]
 
 
 @kernel
@@ -181,7 +170,7 @@ def exchange(P, K, M, n, mark):
     for k in range(n):
         K[k, RHS] = slope_along(P, M, mark, k)
     K[n, RHS] = 1.0
-    eliminate(K, count)
+    system.eliminate(K, count)
     out, far = 0, math.inf
     for i in range(count):
         if K[i, RHS] > LIGHT and K[HOLDING, i] < far * K[i, RHS]:
@@ -212,12 +201,12 @@ def still_on_top(P, K, M, q, m, n, count):
 @kernel
 def write_bends(M, m, n):
     """Write how steps along n ways bend, made such that they bend upwards, and where they begin."""
-    put_bends(M, m, n)
+    system.put_bends(M, m, n)
     if n == 2:
-        turn_down(M, m)
+        system.turn_down(M, m)
     else:
-        turn_all_down(M, m, n)
-    bends_up(M, m, n, 0.0)
+        system.turn_all_down(M, m, n)
+    system.bends_up(M, m, n, 0.0)
 
 
 @kernel
@@ -261,14 +250,14 @@ def press(P, K, M, q, sizes, count):
     for k in range(n):
         far = K[k, RHS]
         for j in range(7):
-            M[STEP_ROW, j] += far * M[WAYS + k, j]
-            M[REST_ROW, j] -= far * M[WAYS + k, 7 + j]
+            M[system.STEP_ROW, j] += far * M[system.WAYS + k, j]
+            M[system.REST_ROW, j] -= far * M[system.WAYS + k, 7 + j]
     for i in range(count):
         mark = int(K[ON_TOP, i])
         j = mark // 2
         side = 1.0 if mark % 2 == 1 else -1.0
-        M[REST_ROW, j] -= K[n + 1 + i, RHS] * side * P[INVERSE_HALF_RANGE + j]
-    return read7(row(M, STEP_ROW)), multipliers(M, m), (share, count)
+        M[system.REST_ROW, j] -= K[n + 1 + i, RHS] * side * P[INVERSE_HALF_RANGE + j]
+    return read7(row(M, system.STEP_ROW)), system.multipliers(M, m), (share, count)
 
 
 @kernel
@@ -277,10 +266,10 @@ def mend(P, desk, q, m, known, along):
     K, M = desk.shares, desk.copy
     n, count = along
     for j in range(7):
-        M[STEP_ROW, j] = 0.0
+        M[system.STEP_ROW, j] = 0.0
     for i in range(m):
         for r in range(known):
-            M[STEP_ROW, int(M[BASIC_ROW, i])] += M[i, INVERSE + r] * desk.system[7 + r, RHS]
+            M[system.STEP_ROW, int(M[BASIC_ROW, i])] += M[i, INVERSE + r] * desk.system[7 + r, RHS]
     for k in range(n):
         K[BEGIN, EVENED + k] = 0.0
         for i in range(count):
@@ -290,5 +279,5 @@ def mend(P, desk, q, m, known, along):
     solve_on_top(K, M, m, n, count)
     for k in range(n):
         for j in range(7):
-            M[STEP_ROW, j] += K[k, RHS] * M[WAYS + k, j]
-    return read7(row(M, STEP_ROW))
+            M[system.STEP_ROW, j] += K[k, RHS] * M[system.WAYS + k, j]
+    return read7(row(M, system.STEP_ROW))

@@ -9,19 +9,9 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.freedom import settle
 from srs_ik.kernels.freedom.constraints import bends, equations, fill, leaves_cone, on_edge, price
 from srs_ik.kernels.freedom.elimination import solve_equations
-from srs_ik.kernels.freedom.settle import (
-    ALMOST,
-    CLOSE_BY,
-    EVEN,
-    MAX_STEP,
-    MET,
-    NO_FORCE,
-    SETTLED,
-    SHORTER,
-    part_way,
-)
 from srs_ik.kernels.freedom.shares import largest_share, mend, press
 from srs_ik.kernels.freedom.system import write_ways
 from srs_ik.kernels.jit import kernel
@@ -64,37 +54,37 @@ def widen(P, q, pose, freedom, rival, desk):
         desk: work space.
     """
     K, M, J = desk.system, desk.copy, desk.J
-    forces, last, asked = NO_FORCE, NO_FORCE, NO_FORCE
+    forces, last, asked = settle.NO_FORCE, settle.NO_FORCE, settle.NO_FORCE
     before, step = q, NO_SEED
-    known, part, radius, rank, n, count = 0, 1.0, MAX_STEP, 0, 0, 0
+    known, part, radius, rank, n, count = 0, 1.0, settle.MAX_STEP, 0, 0, 0
     error, size, worth, best = math.inf, math.inf, math.inf, math.inf
     mended, curved = False, False
     for _ in range(STEPS):
         m, error, turns = equations(P, q, pose, freedom, forces, desk)
         m = on_edge(m, known, forces)
         share = largest_share(P, q)
-        if error < MET and (size < SETTLED or abs(best - share) < GAINED):
+        if error < settle.MET and (size < settle.SETTLED or abs(best - share) < GAINED):
             break
         if curved and error < ALMOST_ON and abs(best - share) < LITTLE:
             break
         wider = share < best and error < NEARLY
-        if share + price(forces) * error > worth and size > CLOSE_BY and not wider:
+        if share + price(forces) * error > worth and size > settle.CLOSE_BY and not wider:
             if not mended and m == known:
                 q, mended = along7(q, 1.0, mend(P, desk, q, rank, m, (n, count))), True
                 continue
             mended = False
-            step = along7(NO_SEED, SHORTER, step)
-            size *= SHORTER
-            part *= SHORTER
+            step = along7(NO_SEED, settle.SHORTER, step)
+            size *= settle.SHORTER
+            part *= settle.SHORTER
             radius = size
-            forces = part_way(last, part, asked)
+            forces = settle.part_way(last, part, asked)
             q = along7(before, 1.0, step)
             continue
         best, mended = share, False
-        radius = min(2.0 * radius, MAX_STEP)
+        radius = min(2.0 * radius, settle.MAX_STEP)
         curve = bends(m, forces, turns, freedom.cone)
-        curved = error < ALMOST and known == m
-        own = Liking(q, EVEN, NO_SEED, NO_SEED, 0.0, NO_SEED)
+        curved = error < settle.ALMOST and known == m
+        own = Liking(q, settle.EVEN, NO_SEED, NO_SEED, 0.0, NO_SEED)
         fill(J, K, q, own, curve, (1.0 if curved else 0.0, STIFF if curved else STIFFER, 1.0))
         basic, rank = solve_equations(K, M, m, 0, NO_SEED)
         if basic < 0:
@@ -118,7 +108,7 @@ def widen(P, q, pose, freedom, rival, desk):
             part = radius / size
             step = along7(NO_SEED, part, step)
             size = radius
-        forces = part_way(last, part, asked)
+        forces = settle.part_way(last, part, asked)
         before = q
         q = along7(q, 1.0, step)
         if curved and ahead - size * min(NO_WIDER, BENT * size) > rival - NO_GAIN:

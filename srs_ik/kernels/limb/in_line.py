@@ -7,24 +7,7 @@ import math
 from srs_ik.kernels.algebra.pointers import copy
 from srs_ik.kernels.algebra.vectors import add, apply, dot, load3, norm, rotate
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A3,
-    AXES,
-    BOTTOM_GAP,
-    COS_STRAIGHT,
-    FAR,
-    FOREARM,
-    MISS,
-    PHASE,
-    SHOULDER,
-    SIN_STRAIGHT,
-    SIZE,
-    SLACK_SINGULAR,
-    TOP_GAP,
-    UPPER_ARM,
-    WRIST,
-)
+from srs_ik.kernels.layout import limb as at
 
 NEARLY_IN_LINE = 1e-4
 """Outer axes that come this close to one line, rad, are searched as if they did; wider apart, the curves tell all."""
@@ -45,7 +28,7 @@ def comes_in_line(P, k, end):
 
     The end says whether they point the same way there (0) or opposite ways (1).
     """
-    return P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] < CLOSE_GAP
+    return P[k + (at.TOP_GAP if end == 0 else at.BOTTOM_GAP)] < CLOSE_GAP
 
 
 @kernel
@@ -62,18 +45,18 @@ def may_line_up(P, place_, width):
     same angle from it, up to some width.
     """
     t, _, c, s, hand, _ = place_
-    still_s = dot(load3(P, SHOULDER + A1), t)
-    still_w = dot(apply(hand, load3(P, WRIST + A3)), t)
-    a4 = load3(P, AXES + 9)
+    still_s = dot(load3(P, at.SHOULDER + at.A1), t)
+    still_w = dot(apply(hand, load3(P, at.WRIST + at.A3)), t)
+    a4 = load3(P, at.AXES + 9)
     for elbow in range(2):
         sine = -s if elbow == 1 else s
-        to_wrist = add(load3(P, UPPER_ARM), rotate(a4, c, sine, load3(P, FOREARM)))
+        to_wrist = add(load3(P, at.UPPER_ARM), rotate(a4, c, sine, load3(P, at.FOREARM)))
         share = 1.0 / max(norm(to_wrist), SMALLEST_REACH)
-        if in_line(still_s, share * dot(to_wrist, load3(P, SHOULDER + A3)), P, SHOULDER, width):
+        if in_line(still_s, share * dot(to_wrist, load3(P, at.SHOULDER + at.A3)), P, at.SHOULDER, width):
             return True
-        c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * sine
-        s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * sine
-        if in_line(still_w, share * dot(to_wrist, rotate(a4, c4, s4, load3(P, WRIST + A1))), P, WRIST, width):
+        c4 = P[at.COS_STRAIGHT] * c - P[at.SIN_STRAIGHT] * sine
+        s4 = P[at.SIN_STRAIGHT] * c + P[at.COS_STRAIGHT] * sine
+        if in_line(still_w, share * dot(to_wrist, rotate(a4, c4, s4, load3(P, at.WRIST + at.A1))), P, at.WRIST, width):
             return True
     return False
 
@@ -81,7 +64,7 @@ def may_line_up(P, place_, width):
 @kernel
 def may_split(P, place_):
     """Whether a limb that misses by little may have outer axes in line, or almost, at some arm angle of a pose."""
-    return P[MISS] <= ROUNDED * P[FAR] and may_line_up(P, place_, NEARLY_IN_LINE)
+    return P[at.MISS] <= ROUNDED * P[at.FAR] and may_line_up(P, place_, NEARLY_IN_LINE)
 
 
 @kernel
@@ -91,7 +74,7 @@ def closest(P, k, motion, end):
     The end says whether they point the same way there (0) or opposite ways (1). Last, how close they are elsewhere.
     """
     circle = motion[0]
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + at.A1)
     sign = 1.0 if end == 0 else -1.0
     constant = sign * dot(a1, circle[0])
     c = sign * dot(a1, circle[1])
@@ -105,18 +88,18 @@ def closest(P, k, motion, end):
 @kernel
 def toward_of(P, k, q2):
     """1.0 where the outer axes of a spherical joint next to its singularity point the same way, else -1.0."""
-    return 1.0 if math.cos(q2 - P[k + PHASE]) > 0.0 else -1.0
+    return 1.0 if math.cos(q2 - P[k + at.PHASE]) > 0.0 else -1.0
 
 
 @kernel
 def is_in_line(P, k, q2, width):
     """Whether the outer axes of a spherical joint are within some angle of one line."""
     end = 0 if toward_of(P, k, q2) > 0.0 else 1
-    return comes_in_line(P, k, end) and abs(math.sin(q2 - P[k + PHASE])) < width
+    return comes_in_line(P, k, end) and abs(math.sin(q2 - P[k + at.PHASE])) < width
 
 
 @kernel
 def wide_limb(P, wide):
     """Copy the packed limb to `wide`, which takes axes for parallel that are almost so."""
-    copy(P, wide, SIZE)
-    wide[SLACK_SINGULAR] = NEARLY_IN_LINE
+    copy(P, wide, at.SIZE)
+    wide[at.SLACK_SINGULAR] = NEARLY_IN_LINE

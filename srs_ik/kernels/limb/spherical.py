@@ -14,41 +14,25 @@ from srs_ik.kernels.algebra.eight import choose
 from srs_ik.kernels.algebra.lanes import root, where
 from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A2,
-    A2_A3,
-    A3,
-    ACROSS_3,
-    BOTTOM_GAP,
-    COS_PHASE,
-    CROSS_3,
-    CROSS_23,
-    FIRST_JOINT,
-    PHASE,
-    SIN_PHASE,
-    SLACK_REACH,
-    SLACK_SINGULAR,
-    TOP_GAP,
-)
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.splits import nearest_split, rest_of, widest_split
 
 
 @kernel
 def middle_angle(P, k, v):
     """Cosine and sine of x = |q2 - PHASE|, and whether v can be reached at all (else x is the nearest)."""
-    a1 = load3(P, k + A1)
+    a1 = load3(P, k + at.A1)
     up = sub(v, a1)
     down = add(v, a1)
     # 1 - m and 1 + m for m = a1'v, as squares of differences: full precision where v is near +-a1.
     top2 = dot(up, up)
     bottom2 = dot(down, down)
-    top = 0.5 * top2 - P[k + TOP_GAP]
-    bottom = 0.5 * bottom2 - P[k + BOTTOM_GAP]
+    top = 0.5 * top2 - P[k + at.TOP_GAP]
+    bottom = 0.5 * bottom2 - P[k + at.BOTTOM_GAP]
     # Beyond an end by an angle e, the gap is negative by e times the sine of the angle between a1 and v.
     reached = True
     if min(top, bottom) < 0.0:
-        slack = P[SLACK_REACH]
+        slack = P[at.SLACK_REACH]
         reached = top >= -slack * math.sqrt(top2) and bottom >= -slack * math.sqrt(bottom2)
         top = max(top, 0.0)
         bottom = max(bottom, 0.0)
@@ -77,18 +61,18 @@ class Joint(NamedTuple):
 def joint_at(P, k):
     """The spherical joint at block k."""
     return Joint(
-        load3(P, k + A1),
-        load3(P, k + A2),
-        load3(P, k + A3),
-        load3(P, k + ACROSS_3),
-        load3(P, k + CROSS_3),
-        load3(P, k + CROSS_23),
-        P[k + COS_PHASE],
-        P[k + SIN_PHASE],
-        P[k + TOP_GAP],
-        P[k + BOTTOM_GAP],
-        P[k + A2_A3],
-        P[SLACK_SINGULAR],
+        load3(P, k + at.A1),
+        load3(P, k + at.A2),
+        load3(P, k + at.A3),
+        load3(P, k + at.ACROSS_3),
+        load3(P, k + at.CROSS_3),
+        load3(P, k + at.CROSS_23),
+        P[k + at.COS_PHASE],
+        P[k + at.SIN_PHASE],
+        P[k + at.TOP_GAP],
+        P[k + at.BOTTOM_GAP],
+        P[k + at.A2_A3],
+        P[at.SLACK_SINGULAR],
     )
 
 
@@ -181,7 +165,7 @@ def angles(P, k, v, y, c, s, sign, anchor):
 def split(P, k, total, toward, anchor):
     """Joints 1 and 3 where only the sum of toward q1 and q3 is known."""
     seeded, seed_1, seed_3, respect = anchor
-    first = int(P[k + FIRST_JOINT])
+    first = int(P[k + at.FIRST_JOINT])
     if not seeded:
         return widest_split(P, k, first, total, toward)
     if respect:
@@ -193,7 +177,7 @@ def split(P, k, total, toward, anchor):
 @kernel
 def mirrored(P, k, q):
     """The other solution where axis 2 is perpendicular to axes 1 and 3, away from the singular rotations."""
-    return q[0] + math.pi, 2.0 * P[k + PHASE] - q[1], q[2] + math.pi
+    return q[0] + math.pi, 2.0 * P[k + at.PHASE] - q[1], q[2] + math.pi
 
 
 @kernel

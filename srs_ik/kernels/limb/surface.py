@@ -13,20 +13,8 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import short_way, store7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import (
-    BOTTOM_GAP,
-    FAR,
-    IS_CLOSED,
-    MISS,
-    NEAR,
-    PHASE,
-    SHOULDER,
-    SIZE,
-    SLACK_SINGULAR,
-    TOP_GAP,
-    WRIST,
-)
 from srs_ik.kernels.limb.branches import side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.in_line import ROUNDED, closest, may_line_up, toward_of, wide_limb
@@ -69,8 +57,8 @@ shoulder and the wrist; whether the sum of joints 1 and 3 may be split anyhow, a
 @kernel
 def flat_bend(P, place_):
     """By how much an elbow may be bent, rad, if a pose may be one of a straight or folded one by the limb's misses."""
-    reach = P[FAR] if place_[2] > 0.0 else P[NEAR]
-    return math.sqrt(8.0 * BENDS * P[MISS] * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR])))
+    reach = P[limb.FAR] if place_[2] > 0.0 else P[limb.NEAR]
+    return math.sqrt(8.0 * BENDS * P[limb.MISS] * reach / ((P[limb.FAR] - P[limb.NEAR]) * (P[limb.FAR] + P[limb.NEAR])))
 
 
 @kernel
@@ -82,8 +70,8 @@ def is_flat(P, place_):
 @kernel
 def is_free(P, k, q2, width):
     """Whether the outer axes of a spherical joint are as good as in line at an angle of its middle joint."""
-    gap = P[k + TOP_GAP] if toward_of(P, k, q2) > 0.0 else P[k + BOTTOM_GAP]
-    return gap < IN_LINE and abs(math.sin(q2 - P[k + PHASE])) < width
+    gap = P[k + limb.TOP_GAP] if toward_of(P, k, q2) > 0.0 else P[k + limb.BOTTOM_GAP]
+    return gap < IN_LINE and abs(math.sin(q2 - P[k + limb.PHASE])) < width
 
 
 @kernel
@@ -98,16 +86,16 @@ def split(P, q, first, k, turn):
 @kernel
 def in_line_width(P):
     """How close outer axes come to one line, rad, where they count as such; 0.0 for limbs without a surface."""
-    if P[IS_CLOSED] == 1.0 or P[MISS] > MOST_MISS * P[FAR]:
+    if P[limb.IS_CLOSED] == 1.0 or P[limb.MISS] > MOST_MISS * P[limb.FAR]:
         return 0.0
-    return min(max(LEAST_WIDTH, WIDTH * P[MISS] / P[FAR]), MOST_WIDTH)
+    return min(max(LEAST_WIDTH, WIDTH * P[limb.MISS] / P[limb.FAR]), MOST_WIDTH)
 
 
 @kernel
 def width_for_curves(P):
     """`in_line_width`, or for limbs without a surface how close to one line two pairs of outer axes have to come."""
-    if P[MISS] > MOST_MISS * P[FAR]:
-        return min(WIDTH_OF_CURVES * P[MISS] / P[FAR], MOST_WIDTH_OF_CURVES)
+    if P[limb.MISS] > MOST_MISS * P[limb.FAR]:
+        return min(WIDTH_OF_CURVES * P[limb.MISS] / P[limb.FAR], MOST_WIDTH_OF_CURVES)
     return in_line_width(P)
 
 
@@ -132,10 +120,10 @@ def put_parts_at(P, wide, side, at, parts, n):
     shoulder and wrist are free on a part that is wanted: at least and at most.
     """
     elbow, level, psi, everywhere, least, most = at
-    width = wide[SLACK_SINGULAR]
+    width = wide[limb.SLACK_SINGULAR]
     for signs in range(4):
         q, _, _ = side_posture(wide, side, psi, signs >> 1, signs & 1, False, NO_SEED, False)
-        free_s, free_w = is_free(P, SHOULDER, q[1], width), is_free(P, WRIST, q[5], width)
+        free_s, free_w = is_free(P, limb.SHOULDER, q[1], width), is_free(P, limb.WRIST, q[5], width)
         # Where sums are free, the signs are no matter.
         known = (free_s and signs >> 1) or (free_w and signs & 1)
         if known or n >= parts.shape[0] or not least <= int(free_s) + int(free_w) <= most:
@@ -146,7 +134,7 @@ def put_parts_at(P, wide, side, at, parts, n):
         part[PART_EVERYWHERE] = 1.0 if everywhere else 0.0
         part[PART_SHOULDER] = 1.0 if free_s else 0.0
         part[PART_WRIST] = 1.0 if free_w else 0.0
-        if level or ways_of(part) > 1 or P[MISS] < ROUNDED * P[FAR]:
+        if level or ways_of(part) > 1 or P[limb.MISS] < ROUNDED * P[limb.FAR]:
             n += 1
     return n
 
@@ -186,12 +174,12 @@ def put_midway(P, place_, near, angles, n):
     for elbow in range(2 if may_line_up(P, place_, aside) else 0):
         side = elbow_side(P, place_, elbow)
         for i in range(4):
-            psi, off, _ = closest(P, SHOULDER if i < 2 else WRIST, side[1] if i < 2 else side[2], i & 1)
+            psi, off, _ = closest(P, limb.SHOULDER if i < 2 else limb.WRIST, side[1] if i < 2 else side[2], i & 1)
             if width <= off < aside and n < angles.shape[0]:
                 angles[n] = psi
                 n += 1
         for i in range(4):
-            s, w = closest(P, SHOULDER, side[1], i >> 1), closest(P, WRIST, side[2], i & 1)
+            s, w = closest(P, limb.SHOULDER, side[1], i >> 1), closest(P, limb.WRIST, side[2], i & 1)
             ahead = short_way(w[0] - s[0])
             if max(s[1], w[1]) < width and abs(ahead) < apart and n < angles.shape[0]:
                 angles[n] = s[0] + 0.5 * ahead
@@ -203,8 +191,8 @@ def put_midway(P, place_, near, angles, n):
 def lines_up_with_shoulder(P, side, line, width):
     """Whether outer axes come within some width of one line where those of the shoulder are closest to theirs."""
     for end in range(2):
-        s = closest(P, SHOULDER, side[1], end)
-        gap = P[SHOULDER + (BOTTOM_GAP if end else TOP_GAP)]
+        s = closest(P, limb.SHOULDER, side[1], end)
+        gap = P[limb.SHOULDER + (limb.BOTTOM_GAP if end else limb.TOP_GAP)]
         if gap < IN_LINE and s[1] < width and from_line(line, s[0]) < width * width:
             return True
     return False
@@ -213,12 +201,12 @@ def lines_up_with_shoulder(P, side, line, width):
 @kernel
 def put_parts(P, wide, place_, level, parts, n):
     """Append the parts of the surface with the elbow as it is, or flat; their number."""
-    width = wide[SLACK_SINGULAR]
+    width = wide[limb.SLACK_SINGULAR]
     for elbow in range(1 if level or place_[3] == 0.0 else 2):
         side = elbow_side(P, place_, elbow)
         for i in range(4):
-            k = SHOULDER if i < 2 else WRIST
-            if P[k + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] > IN_LINE:
+            k = limb.SHOULDER if i < 2 else limb.WRIST
+            if P[k + (limb.TOP_GAP if i % 2 == 0 else limb.BOTTOM_GAP)] > IN_LINE:
                 continue
             line = closest(P, k, side[1] if i < 2 else side[2], i % 2)
             if line[1] < width:
@@ -227,8 +215,11 @@ def put_parts(P, wide, place_, level, parts, n):
                 n = put_parts_at(P, wide, side, (elbow, level, line[0], line[2] < width, 1, most), parts, n)
         for i in range(4):
             # Between the arm angles at which one and the other are closest to singular, both may be.
-            s, w = closest(P, SHOULDER, side[1], i >> 1), closest(P, WRIST, side[2], i & 1)
-            gaps = max(P[SHOULDER + (BOTTOM_GAP if i >> 1 else TOP_GAP)], P[WRIST + (BOTTOM_GAP if i & 1 else TOP_GAP)])
+            s, w = closest(P, limb.SHOULDER, side[1], i >> 1), closest(P, limb.WRIST, side[2], i & 1)
+            gaps = max(
+                P[limb.SHOULDER + (limb.BOTTOM_GAP if i >> 1 else limb.TOP_GAP)],
+                P[limb.WRIST + (limb.BOTTOM_GAP if i & 1 else limb.TOP_GAP)],
+            )
             apart = min(from_line(s, w[0]), from_line(w, s[0])) > width * width
             if gaps > IN_LINE or not apart or max(s[1], w[1]) > width:
                 continue
@@ -241,7 +232,7 @@ def put_parts(P, wide, place_, level, parts, n):
 @kernel
 def counts_as_flat(P, place_):
     """Whether the elbow of a limb with a surface may be flat at a pose."""
-    return P[MISS] <= MOST_MISS * P[FAR] and is_flat(P, place_)
+    return P[limb.MISS] <= MOST_MISS * P[limb.FAR] and is_flat(P, place_)
 
 
 @kernel
@@ -281,10 +272,10 @@ def find_parts(P, wide, place_, widths, parts):
     bent, flat = widths
     n = 0
     if flat > 0.0:
-        wide[SLACK_SINGULAR] = flat
+        wide[limb.SLACK_SINGULAR] = flat
         n = put_parts(P, wide, level_place(place_), True, parts, n)
     if flat == 0.0 or place_[3] > bent:
-        wide[SLACK_SINGULAR] = bent
+        wide[limb.SLACK_SINGULAR] = bent
         n = put_parts(P, wide, place_, False, parts, n)
     return n
 
@@ -308,9 +299,9 @@ def posture_on(limbs, place_, part, i, goal):
     if i == 0 or (i < FIRST and everywhere):
         return q
     if part[PART_SHOULDER] == 1.0:
-        q = split(P, q, 0, SHOULDER, 2.0 * math.pi * ((0.6710436067 * i) % 1.0))
+        q = split(P, q, 0, limb.SHOULDER, 2.0 * math.pi * ((0.6710436067 * i) % 1.0))
     if part[PART_WRIST] == 1.0:
-        q = split(P, q, 4, WRIST, 2.0 * math.pi * ((0.5497004779 * i) % 1.0))
+        q = split(P, q, 4, limb.WRIST, 2.0 * math.pi * ((0.5497004779 * i) % 1.0))
     return q
 
 
@@ -320,7 +311,7 @@ def has_surface(P, place_):
     widths = same_widths(P, place_, width_for_curves(P))
     if not may_have_surface(P, place_, widths):
         return False
-    boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
+    boxes, parts = np.empty((1, limb.SIZE)), np.empty((MOST_PARTS, PART))
     most = 0
     for i in range(find_parts(P, row(boxes, 0), place_, widths, parts)):
         most = max(most, ways_of(row(parts, i)))
@@ -356,7 +347,7 @@ def put_starts(P, place_, ends, starts, n):
     if place_[3] <= widths[0]:
         # The flat elbow stands for the bent one, too.
         ends = EVERY_SPLIT
-    boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
+    boxes, parts = np.empty((1, limb.SIZE)), np.empty((MOST_PARTS, PART))
     wide = row(boxes, 0)
     goal = Goal(False, NO_SEED, False)
     for k in range(find_parts(P, wide, place_, widths, parts)):

@@ -21,31 +21,8 @@ from srs_ik.kernels.algebra.vectors import (
     times_transposed,
 )
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.asked import Target
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A3,
-    ACROSS_3,
-    AXES,
-    COS_STRAIGHT,
-    FAR,
-    FOREARM,
-    NEAR,
-    NORMAL_0,
-    NORMAL_C,
-    NORMAL_KIND,
-    NORMAL_S,
-    REFERENCE,
-    REFERENCE_2,
-    SHOULDER,
-    SHOULDER_CENTRE,
-    SIN_STRAIGHT,
-    STRAIGHT,
-    TIP_ROTATION,
-    UPPER_ARM,
-    WRIST,
-    WRIST_IN_TIP,
-)
 from srs_ik.kernels.limb.poses import read_pose
 
 REFERENCE_SINE = 1e-8
@@ -79,7 +56,7 @@ def unit_across(a, u, spare):
 @kernel
 def shoulder_to_wrist(P, R, p):
     """Vector from the shoulder to the wrist centre for a tip pose (rotation R, position p)."""
-    return sub(add(p, apply(R, load3(P, WRIST_IN_TIP))), load3(P, SHOULDER_CENTRE))
+    return sub(add(p, apply(R, load3(P, at.WRIST_IN_TIP))), load3(P, at.SHOULDER_CENTRE))
 
 
 @kernel
@@ -87,19 +64,19 @@ def target_frame(P, sw):
     """Distance S-W, its direction t, and the direction h0 across it at which the arm angle is zero."""
     d = norm(sw)
     # A wrist on the shoulder leaves the direction open: take any, the same one always.
-    t = scale(1.0 / d, sw) if d > 0.0 else load3(P, REFERENCE_2)
-    return d, t, unit_across(load3(P, REFERENCE), t, load3(P, REFERENCE_2))
+    t = scale(1.0 / d, sw) if d > 0.0 else load3(P, at.REFERENCE_2)
+    return d, t, unit_across(load3(P, at.REFERENCE), t, load3(P, at.REFERENCE_2))
 
 
 @kernel
 def elbow_bend(P, d):
     """Cosine and sine of the bend |q4 - STRAIGHT| for a length d of S-W; how far d is out of reach (+far, -near)."""
-    if d > P[FAR]:
-        return 1.0, 0.0, d - P[FAR]
-    if d < P[NEAR]:
-        return -1.0, 0.0, d - P[NEAR]
-    far = (P[FAR] - d) * (P[FAR] + d)
-    near = (d - P[NEAR]) * (d + P[NEAR])
+    if d > P[at.FAR]:
+        return 1.0, 0.0, d - P[at.FAR]
+    if d < P[at.NEAR]:
+        return -1.0, 0.0, d - P[at.NEAR]
+    far = (P[at.FAR] - d) * (P[at.FAR] + d)
+    near = (d - P[at.NEAR]) * (d + P[at.NEAR])
     share = 1.0 / (far + near)
     return (near - far) * share, 2.0 * math.sqrt(far * near) * share, 0.0
 
@@ -117,8 +94,8 @@ def upper_arm_to_wrist(P, c, s):
 
     Of two links of one length that are folded, c leaves nothing but rounding: 1 + c comes from s there.
     """
-    a4 = load3(P, AXES + 9)
-    upper, fore = load3(P, UPPER_ARM), load3(P, FOREARM)
+    a4 = load3(P, at.AXES + 9)
+    upper, fore = load3(P, at.UPPER_ARM), load3(P, at.FOREARM)
     if c > -0.5:
         return add(upper, rotate(a4, c, s, fore))
     unfolded = along(scale(s * s / (1.0 - c), across(fore, a4)), s, cross(a4, fore))
@@ -133,24 +110,24 @@ def arm_frame(P, c, s):
     straightened so that S, E and W are collinear, the limit of h from the side of the sign of s is taken, be s zero or
     not: it stays well-defined when the elbow is on the line, and each elbow branch has its own.
     """
-    a4 = load3(P, AXES + 9)
+    a4 = load3(P, at.AXES + 9)
     w = upper_arm_to_wrist(P, c, s)
-    kind = P[NORMAL_KIND]
-    if kind == 0.0 and abs(dot(a4, add(load3(P, UPPER_ARM), load3(P, FOREARM)))) < ROUNDING * P[FAR]:
+    kind = P[at.NORMAL_KIND]
+    if kind == 0.0 and abs(dot(a4, add(load3(P, at.UPPER_ARM), load3(P, at.FOREARM)))) < ROUNDING * P[at.FAR]:
         # Next to S = W, what rounding leaves of w along axis 4 is as long as w is.
         w = across(w, a4)
     length = norm(w)
-    t = scale(1.0 / length, w) if length > 0.0 else unit_across(cross(a4, load3(P, FOREARM)), a4, a4)
+    t = scale(1.0 / length, w) if length > 0.0 else unit_across(cross(a4, load3(P, at.FOREARM)), a4, a4)
     if kind == 0.0:
-        n = across(scale(math.copysign(1.0, s), load3(P, NORMAL_S)), t)
+        n = across(scale(math.copysign(1.0, s), load3(P, at.NORMAL_S)), t)
         return t, cross(t, n), n
     if kind == 1.0:
         half_c = math.sqrt(0.5 * (1.0 + c)) if c > -0.5 else 0.5 * abs(s) / math.sqrt(0.5 * (1.0 - c))
         half_s = 0.5 * s / half_c if c > -0.5 else math.copysign(math.sqrt(0.5 * (1.0 - c)), s)
         sign = math.copysign(1.0, s)
-        n = add(scale(sign * half_c, load3(P, NORMAL_S)), scale(sign * half_s, load3(P, NORMAL_C)))
+        n = add(scale(sign * half_c, load3(P, at.NORMAL_S)), scale(sign * half_s, load3(P, at.NORMAL_C)))
     else:
-        n = along(along(load3(P, NORMAL_0), s, load3(P, NORMAL_S)), 1.0 - c, load3(P, NORMAL_C))
+        n = along(along(load3(P, at.NORMAL_0), s, load3(P, at.NORMAL_S)), 1.0 - c, load3(P, at.NORMAL_C))
     n = unit_across(n, t, a4)
     return t, cross(t, n), n
 
@@ -158,7 +135,7 @@ def arm_frame(P, c, s):
 @kernel
 def hand_rotation(P, R):
     """Rotation of the hand from the zero configuration for a tip rotation R: R TIP_ROTATION'."""
-    return times_transposed(R, load9(P, TIP_ROTATION))
+    return times_transposed(R, load9(P, at.TIP_ROTATION))
 
 
 @kernel
@@ -181,19 +158,19 @@ def turned_back_by_arm(frames, w):
 @kernel
 def shoulder_motion(P, frames):
     """What the shoulder has to make: R a3, R ACROSS_3, R'a1 of its rotation R(psi), three circles of three vectors."""
-    v = turned_by_arm(frames, load3(P, SHOULDER + A3))
-    y = turned_by_arm(frames, load3(P, SHOULDER + ACROSS_3))
-    r = turned_back_by_arm(frames, load3(P, SHOULDER + A1))
+    v = turned_by_arm(frames, load3(P, at.SHOULDER + at.A3))
+    y = turned_by_arm(frames, load3(P, at.SHOULDER + at.ACROSS_3))
+    r = turned_back_by_arm(frames, load3(P, at.SHOULDER + at.A1))
     return v, y, r
 
 
 @kernel
 def wrist_motion(P, frames, c4, s4, hand):
     """The same for the wrist, whose rotation is (Rs rot(a4, q4))' hand."""
-    a4 = load3(P, AXES + 9)
-    v = turned_back_by_arm(frames, apply(hand, load3(P, WRIST + A3)))
-    y = turned_back_by_arm(frames, apply(hand, load3(P, WRIST + ACROSS_3)))
-    r = turned_by_arm(frames, rotate(a4, c4, s4, load3(P, WRIST + A1)))
+    a4 = load3(P, at.AXES + 9)
+    v = turned_back_by_arm(frames, apply(hand, load3(P, at.WRIST + at.A3)))
+    y = turned_back_by_arm(frames, apply(hand, load3(P, at.WRIST + at.ACROSS_3)))
+    r = turned_by_arm(frames, rotate(a4, c4, s4, load3(P, at.WRIST + at.A1)))
     return (
         (rotate(a4, c4, -s4, v[0]), rotate(a4, c4, -s4, v[1]), rotate(a4, c4, -s4, v[2])),
         (rotate(a4, c4, -s4, y[0]), rotate(a4, c4, -s4, y[1]), rotate(a4, c4, -s4, y[2])),
@@ -214,8 +191,8 @@ def elbow_at(P, place_, elbow):
     """The arm in elbow branch 0 or 1: cosine and sine of q4, and `arm_frame`."""
     c = place_[2]
     s = -place_[3] if elbow == 1 else place_[3]
-    c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
-    s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
+    c4 = P[at.COS_STRAIGHT] * c - P[at.SIN_STRAIGHT] * s
+    s4 = P[at.SIN_STRAIGHT] * c + P[at.COS_STRAIGHT] * s
     return c4, s4, arm_frame(P, c, s)
 
 
@@ -233,7 +210,7 @@ def elbow_side(P, place_, elbow):
     t, h0, _, _, hand, _ = place_
     c4, s4, (arm_t, arm_h, arm_n) = elbow_at(P, place_, elbow)
     frames = (t, h0, cross(t, h0), arm_t, arm_h, arm_n)
-    from_forearm = rotate(load3(P, AXES + 9), c4, -s4, arm_t)
+    from_forearm = rotate(load3(P, at.AXES + 9), c4, -s4, arm_t)
     return math.atan2(s4, c4), shoulder_motion(P, frames), wrist_motion(P, frames, c4, s4, hand), from_forearm
 
 
@@ -247,16 +224,18 @@ def side_frames(P, place_, elbow, cos_psi, sin_psi):
 @kernel
 def shoulder_columns(P, base, arm):
     """What R a3 and R ACROSS_3 have to be for the shoulder, which takes the frame of the arm to that of the base."""
-    return turned_frame(base, arm, load3(P, SHOULDER + A3)), turned_frame(base, arm, load3(P, SHOULDER + ACROSS_3))
+    return turned_frame(base, arm, load3(P, at.SHOULDER + at.A3)), turned_frame(
+        base, arm, load3(P, at.SHOULDER + at.ACROSS_3)
+    )
 
 
 @kernel
 def wrist_columns(P, place_, base, arm, c4, s4):
     """The same for the wrist, which is left of the hand's rotation when shoulder and elbow are taken back."""
     hand = place_[4]
-    a4 = load3(P, AXES + 9)
-    v = turned_frame(arm, base, apply(hand, load3(P, WRIST + A3)))
-    y = turned_frame(arm, base, apply(hand, load3(P, WRIST + ACROSS_3)))
+    a4 = load3(P, at.AXES + 9)
+    v = turned_frame(arm, base, apply(hand, load3(P, at.WRIST + at.A3)))
+    y = turned_frame(arm, base, apply(hand, load3(P, at.WRIST + at.ACROSS_3)))
     return rotate(a4, c4, -s4, v), rotate(a4, c4, -s4, y)
 
 
@@ -269,7 +248,7 @@ def turned_frame(to, source, w):
 @kernel
 def straight_offset(P, q4):
     """q4 - STRAIGHT, never -0.0: the angle of a flat elbow does not say on which side it is; it counts as the first."""
-    return (q4 - P[STRAIGHT]) + 0.0
+    return (q4 - P[at.STRAIGHT]) + 0.0
 
 
 @kernel

@@ -21,28 +21,8 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
-from srs_ik.kernels.near.band import (
-    ALMOST_NOTHING,
-    ANY_ELBOW,
-    is_oblique,
-    is_told,
-    is_well_bent,
-    least_bend,
-    sines_of_middles,
-    untold_elbows,
-)
+from srs_ik.kernels.near import band, on_curves
 from srs_ik.kernels.near.branch_search import search_branch
-from srs_ik.kernels.near.on_curves import (
-    AROUND,
-    SAME_ANGLE,
-    best_found,
-    best_on_curves,
-    curves_around,
-    find_at_angle,
-    followed_curves,
-    no_curves,
-    setting_of,
-)
 from srs_ik.kernels.near.second_attempts import (
     ATTEMPTS,
     STRETCHED,
@@ -63,7 +43,7 @@ the elbow's bend may be off: over 10^5 straight elbows of a limb, it is off by u
 ROUNDING = 1e-9
 """Of the reach."""
 
-BESIDE = (0.0, 0.5 * SAME_ANGLE, -0.5 * SAME_ANGLE)
+BESIDE = (0.0, 0.5 * on_curves.SAME_ANGLE, -0.5 * on_curves.SAME_ANGLE)
 BARELY = 1e-3
 """Where else a branch is looked for that ends at an arm angle, rad; where no curve turns around or goes over into
 another branch next to it, only if a posture is no farther outside its limits than the last."""
@@ -89,7 +69,7 @@ def may_reach(P, place_):
 @kernel
 def is_crowded(P):
     """Whether a branch may have two postures at an arm angle also away from singularities: oblique axes that miss."""
-    return is_oblique(P) and P[SHIFT] > ALMOST_NOTHING
+    return band.is_oblique(P) and P[SHIFT] > band.ALMOST_NOTHING
 
 
 @kernel
@@ -98,7 +78,7 @@ def may_have_others(P, target, psi, q):
 
     Also where its own elbow is well bent: another posture of the pose may have an almost straight one.
     """
-    return not is_told(P, target.place, psi) and (is_unsure(P, q) or least_bend(P, target.place) == 0.0)
+    return not band.is_told(P, target.place, psi) and (is_unsure(P, q) or band.least_bend(P, target.place) == 0.0)
 
 
 @kernel
@@ -141,9 +121,9 @@ def is_any_unsure(P, wanted, A):
 @kernel
 def may_be_unsure_within(P, place_, seed, distance):
     """Whether a posture no farther than this from a seed may be so close to a singularity: see `is_unsure`."""
-    if not is_well_bent(P, place_):
+    if not band.is_well_bent(P, place_):
         return True
-    s2, s6 = sines_of_middles(P, seed)
+    s2, s6 = band.sines_of_middles(P, seed)
     width = UNSURE * P[SHIFT] / place_[3]
     return min(s2, s6) < distance + width or place_[3] < width
 
@@ -213,7 +193,7 @@ def put_passed(P, by, followed, psi, goal, found):
     """Take over what is better where curves pass an arm angle, or barely beside it, in rows of found (8, 8)."""
     other = np.empty((8, 8))
     for side in range(3):
-        find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
+        on_curves.find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
         put_better(other, found)
         if followed.certain and not is_any_barely(found):
             break
@@ -234,18 +214,18 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
             found[branch, i] = A[FIRST + branch, i]
     if highest_cost(found) < OUTSIDE or not may_reach(P, target.place):
         return kept
-    elbows = ANY_ELBOW if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, -1, A)
+    elbows = band.ANY_ELBOW if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, -1, A)
     if elbows != 0:
         on_line = may_be_on_line(P, target.place)
-        by = setting_of(P, target, J, A)
-        followed = curves_around(P, by, psi, elbows, kept)
-        kept = kept if followed.extent == AROUND else followed
+        by = on_curves.setting_of(P, target, J, A)
+        followed = on_curves.curves_around(P, by, psi, elbows, kept)
+        kept = kept if followed.extent == on_curves.AROUND else followed
         put_passed(P, by, followed, psi, goal, found)
         unsure = is_any_barely(found) or (abs(target.place[3]) < STRETCHED and highest_cost(found) >= OUTSIDE)
         if respect and not followed.certain and unsure and P[MISS] < ON_LINE * P[FAR]:
             # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
             within = Setting(target, by.side, True, J, A)
-            put_passed(P, within, followed_curves(P, within), psi, goal, found)
+            put_passed(P, within, on_curves.followed_curves(P, within), psi, goal, found)
         if not followed.certain:
             put_searched(P, target, psi, -1, goal, found, A)
         put_borders(P, goal, found)
@@ -269,7 +249,7 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
     found = np.empty((8, 8))
     sides = 3 if wanted >= 0 and best[2] >= OUTSIDE else 1
     for side in range(sides):
-        other = best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
+        other = on_curves.best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
         if other[2] >= NO_BRANCH and sides > 1:
             other = on_border(P, found, wanted, goal)
         if other[2] < best[2]:
@@ -282,12 +262,12 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
 @kernel
 def elbows_in_question(P, target, psi, wanted, goal, lowest, A):
     """Sides of the elbow, as bits, on which curves may pass an arm angle at better postures than one of a cost."""
-    asked = ANY_ELBOW if wanted < 0 else 1 << (wanted >> 2)
+    asked = band.ANY_ELBOW if wanted < 0 else 1 << (wanted >> 2)
     if lowest < OUTSIDE:
         # Next to a singularity, Newton's method may have missed the posture that is nearest to a seed.
         missed = goal.seeded and lowest > AT_SEED and is_any_unsure(P, wanted, A)
         if missed and may_be_unsure_within(P, target.place, goal.seed, math.sqrt(lowest)):
-            return asked & untold_elbows(P, target.place, psi)
+            return asked & band.untold_elbows(P, target.place, psi)
         return 0
     return elbows_to_look_at(P, target, psi, wanted, A)
 
@@ -326,21 +306,23 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
         on_line = stretched(P, target, psi, wanted, goal, J, A)
         if on_line[2] < OUTSIDE:
             return on_line
-    by = setting_of(P, target, J, A)
-    followed = curves_around(P, by, psi, elbows, no_curves())
+    by = on_curves.setting_of(P, target, J, A)
+    followed = on_curves.curves_around(P, by, psi, elbows, on_curves.no_curves())
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
     if lowest < OUTSIDE or (followed.certain and not OUTSIDE <= lowest < OUTSIDE + BARELY):
         return q, best, lowest
     if respect:
         # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
         within = Setting(target, by.side, True, J, A)
-        q, best, lowest = from_curves(P, within, followed_curves(P, within), psi, wanted, goal, (q, best, lowest))
+        q, best, lowest = from_curves(
+            P, within, on_curves.followed_curves(P, within), psi, wanted, goal, (q, best, lowest)
+        )
         if lowest < OUTSIDE or followed.certain:
             return q, best, lowest
     if lowest >= NO_BRANCH:
         found = np.full((8, 8), 2.0 * NO_BRANCH)
         put_searched(P, target, psi, wanted, goal, found, A)
-        q, best, lowest = best_found(found, wanted, seed)
+        q, best, lowest = on_curves.best_found(found, wanted, seed)
         if lowest < OUTSIDE:
             return q, best, lowest
     if wanted >= 0:

@@ -19,19 +19,9 @@ from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
 from srs_ik.kernels.chain.rank_five import ALONE, steadily_closer, to_rank_five
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import SIZE
+from srs_ik.kernels.limb import surface
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import cost, turned
-from srs_ik.kernels.limb.surface import (
-    MOST_PARTS,
-    PART,
-    find_parts,
-    in_line_width,
-    may_have_surface,
-    posture_on,
-    same_widths,
-    ways_of,
-    width_for_curves,
-)
 
 TRIES = (64, 384, 768)
 """Postures of the surface that are looked at, by how many ways there are on it."""
@@ -85,21 +75,21 @@ def try_rank_five(P, target, goal, best, work):
 @kernel
 def nearest_among_splits(P, target, goal, known):
     """The posture nearest to a seed as known so far, or a nearer one where outer axes are in line: q, branch, cost."""
-    if not may_have_surface(P, target.place, same_widths(P, target.place, width_for_curves(P))):
+    if not surface.may_have_surface(P, target.place, surface.same_widths(P, target.place, surface.width_for_curves(P))):
         return known
     work = (np.empty((6, 7)), np.empty((16, 9)))
     best = try_from(P, goal.seed, target, goal, try_rank_five(P, target, goal, known, work), work)
-    widths = same_widths(P, target.place, in_line_width(P))
-    if not may_have_surface(P, target.place, widths):
+    widths = surface.same_widths(P, target.place, surface.in_line_width(P))
+    if not surface.may_have_surface(P, target.place, widths):
         return best
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
-    parts = np.empty((MOST_PARTS, PART))
-    n = find_parts(P, wide, target.place, widths, parts)
+    parts = np.empty((surface.MOST_PARTS, surface.PART))
+    n = surface.find_parts(P, wide, target.place, widths, parts)
     for k in range(n):
         part = row(parts, k)
-        for i in range(TRIES[ways_of(part) - 1]):
-            best = try_from(P, posture_on((P, wide), target.place, part, i, goal), target, goal, best, work)
+        for i in range(TRIES[surface.ways_of(part) - 1]):
+            best = try_from(P, surface.posture_on((P, wide), target.place, part, i, goal), target, goal, best, work)
     keep(boxes)
     keep(parts)
     if best[2] < known[2]:

@@ -26,22 +26,8 @@ from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
-from srs_ik.kernels.near.arcs import (
-    ARC,
-    MOST_ARCS,
-    find_arcs,
-    follow_arcs,
-    mark_needed,
-    put_ends_of_arcs,
-    without_arcs,
-)
-from srs_ik.kernels.near.band import (
-    ALMOST_NOTHING,
-    may_meet_limits,
-    may_predict_limits,
-    widen,
-    widest,
-)
+from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_needed, put_ends_of_arcs, without_arcs
+from srs_ik.kernels.near.band import ALMOST_NOTHING, may_meet_limits, may_predict_limits, widen, widest
 from srs_ik.kernels.near.ends import (
     BY_CLOSED_FORM,
     CUT,
@@ -58,16 +44,7 @@ from srs_ik.kernels.near.ends import (
     put_fixed_at,
     put_slacks,
 )
-from srs_ik.kernels.near.scan import (
-    LAST,
-    POINT_BRANCH,
-    POINT_NEXT,
-    POINT_OFF,
-    POINT_PSI,
-    inside_between,
-    scan,
-    view_of,
-)
+from srs_ik.kernels.near.scan import LAST, POINT_BRANCH, POINT_NEXT, POINT_OFF, POINT_PSI, inside_between, scan, view_of
 
 AT_END = 1e-10
 END_SHARE = 1e-3

@@ -7,7 +7,7 @@ import numpy as np
 from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, where, whole_number
+from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
@@ -20,7 +20,7 @@ from srs_ik.kernels.limb.limits import PER_TURN, beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import ALMOST_NOTHING, band_with, certain_posture, least_bend, widest
+from srs_ik.kernels.near.band import ALMOST_NOTHING, band_with, least_bend, widest
 
 POINT = 33
 POINT_PSI = 7
@@ -98,14 +98,8 @@ def put_certain(P, view, rows, width, columns):
     """Write the closed form's postures into eight rows, in which two columns hold their arm angles and branches."""
     psis, branches = gather(rows, columns[0], width), gather(rows, columns[1], width)
     c, s = turn(psis)
-    q, sure = eight_postures(P, view.sides, branches, c, s)
+    q, _ = eight_postures(P, view.sides, branches, c, s)
     put_eight(rows, width, ALL, q)
-    for i in range(8):
-        if (sure >> i) & 1 == 0:
-            branch = int(one_of(branches, i))
-            alone = certain_posture(P, view.sides[branch >> 2], branch, one_of(psis, i))
-            for j in range(7):
-                rows[i * width + j] = alone[j]
 
 
 @kernel

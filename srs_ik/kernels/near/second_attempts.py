@@ -8,37 +8,15 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.descent import THOROUGH, descend
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import (
-    CLOSED,
-    LEFT,
-    ON_LINE,
-    STEPS,
-    clipped,
-    close_at_angle,
-    close_free,
-    close_gently,
-    elbow_across,
-    pose_step,
-)
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.outreach import is_almost_straight
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
-from srs_ik.kernels.layout.limb import (
-    FAR,
-    IS_NEAR,
-    LOWER,
-    MISS,
-    PHASE,
-    SHOULDER,
-    SIZE,
-    STRAIGHT,
-    UPPER,
-    WRIST,
-)
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, draw_to_branch, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
@@ -72,7 +50,7 @@ elsewhere too, where many splits are looked at."""
 
 ELBOW_ALONE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
-FLAT = 4.0 * ON_LINE
+FLAT = 4.0 * newton.ON_LINE
 """With the elbow bent by less than this, rad, it is on the line S-W, if it is not folded."""
 
 ON_LIMIT = 1e-6
@@ -96,11 +74,11 @@ def bend(P, q, branch):
     """A posture with elbow, shoulder and wrist moved away from their singularities, to the sides of a branch."""
     return (
         q[0],
-        bent(q[1], P[SHOULDER + PHASE], (branch >> 1) & 1),
+        bent(q[1], P[limb.SHOULDER + limb.PHASE], (branch >> 1) & 1),
         q[2],
-        bent(q[3], P[STRAIGHT], branch >> 2),
+        bent(q[3], P[limb.STRAIGHT], branch >> 2),
         q[4],
-        bent(q[5], P[WRIST + PHASE], branch & 1),
+        bent(q[5], P[limb.WRIST + limb.PHASE], branch & 1),
         q[6],
     )
 
@@ -115,8 +93,8 @@ def put_turned(P, q, b, i, A, k):
     s = bend(P, q, b)
     turns_s = 6 if s[1] != q[1] else 1
     turns_w = 6 if s[5] != q[5] else 1
-    against_s = -1.0 if math.cos(s[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
-    against_w = -1.0 if math.cos(s[5] - P[WRIST + PHASE]) > 0.0 else 1.0
+    against_s = -1.0 if math.cos(s[1] - P[limb.SHOULDER + limb.PHASE]) > 0.0 else 1.0
+    against_w = -1.0 if math.cos(s[5] - P[limb.WRIST + limb.PHASE]) > 0.0 else 1.0
     ds = (i % turns_s) * math.pi / 3.0
     dw = (i // turns_s) * math.pi / 3.0
     put_start(A, k, (s[0] + ds, s[1], s[2] + against_s * ds), s[3], (s[4] + dw, s[5], s[6] + against_w * dw))
@@ -177,10 +155,10 @@ def jitter(q, state, turn, bend_by):
 def free_start(P, target, q, wanted, goal, J, A):
     """Free steps from a posture: q and its cost, more than any posture's if pose or wanted branch are not reached."""
     if goal.respect:
-        q = clipped(P, q)
-    q, error = close_free(P, q, target.R, target.p, goal.respect, MORE_STEPS, J, A)
+        q = newton.clipped(P, q)
+    q, error = newton.close_free(P, q, target.R, target.p, goal.respect, MORE_STEPS, J, A)
     q, value = cost_of_turn(P, q, goal)
-    if error > 10.0 * CLOSED:
+    if error > 10.0 * newton.CLOSED:
         return q, OUTSIDE * (2.0 + error)
     if wanted >= 0 and branch_of(P, q) != wanted:
         return q, OUTSIDE * 10.0
@@ -198,13 +176,13 @@ def look_around(P, target, branch, goal, J, A):
         psi = i * 2.0 * math.pi / LOOKS
         for b in range(8):
             q, _, _ = best_branch(P, place_, psi, b, goal.seeded, goal.seed, goal.respect)
-            q, _ = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
-            linear, angular = pose_step(P, q, R, p, J)
+            q, _ = newton.close_at_angle(P, q, R, p, place_[0], place_[1], psi, newton.STEPS, A)
+            linear, angular = newton.pose_step(P, q, R, p, J)
             here = branch_of(P, q)
             error = max(norm(linear), norm(angular))
-            if CLOSED < error < LEFT:
-                q, error = close_free(P, q, R, p, goal.respect, STEPS, J, A)
-            if error > LEFT or (branch >= 0 and here != branch):
+            if newton.CLOSED < error < newton.LEFT:
+                q, error = newton.close_free(P, q, R, p, goal.respect, newton.STEPS, J, A)
+            if error > newton.LEFT or (branch >= 0 and here != branch):
                 continue
             # At another arm angle perhaps, but a posture for the pose.
             q, value = cost_of_turn(P, q, goal)
@@ -262,25 +240,25 @@ def found_again(P, target, branch, goal, J, A):
 @kernel
 def is_on_line(P, q, place_):
     """Whether the elbow of a posture is on the line S-W of its pose, and so at every arm angle at once."""
-    return norm(elbow_across(P, q, place_[0])) < ON_LINE * P[FAR]
+    return norm(newton.elbow_across(P, q, place_[0])) < newton.ON_LINE * P[limb.FAR]
 
 
 @kernel
 def may_be_on_line(P, place_):
     """Whether the elbow of an almost exact limb may lie on the line S-W, where its curves turn too sharply."""
-    return P[IS_NEAR] != 0.0 and P[MISS] < ROUNDED * P[FAR] and is_almost_straight(P, place_)
+    return P[limb.IS_NEAR] != 0.0 and P[limb.MISS] < ROUNDED * P[limb.FAR] and is_almost_straight(P, place_)
 
 
 @kernel
 def hold_elbow(P, place_, respect, box):
     """Copy a limb to `box`, its elbow held straight or folded, and without other limits if they do not count."""
-    copy(P, box, SIZE)
+    copy(P, box, limb.SIZE)
     for j in range(7 if not respect else 0):
-        box[LOWER + j], box[UPPER + j] = -math.inf, math.inf
-    flat = turn_to_middle(P, 3, P[STRAIGHT] + (0.0 if place_[2] > 0.0 else math.pi))
+        box[limb.LOWER + j], box[limb.UPPER + j] = -math.inf, math.inf
+    flat = turn_to_middle(P, 3, P[limb.STRAIGHT] + (0.0 if place_[2] > 0.0 else math.pi))
     if respect and violation(P, 3, flat) < ON_LIMIT:
-        flat = min(max(flat, P[LOWER + 3]), P[UPPER + 3])
-    box[LOWER + 3], box[UPPER + 3] = flat, flat
+        flat = min(max(flat, P[limb.LOWER + 3]), P[limb.UPPER + 3])
+    box[limb.LOWER + 3], box[limb.UPPER + 3] = flat, flat
     return flat
 
 
@@ -293,10 +271,10 @@ def on_line_from(limbs, by, q, goal):
     closed, value = cost_of_turn(P, closed, goal)
     position, orientation = pose_error(P, closed, R, p)
     error = max(position, orientation)
-    if error > LEFT or value >= OUTSIDE:
-        closed, error = close_gently(box, clipped(box, q), R, p, True, by.J, by.A)
+    if error > newton.LEFT or value >= OUTSIDE:
+        closed, error = newton.close_gently(box, newton.clipped(box, q), R, p, True, by.J, by.A)
         closed, value = cost_of_turn(P, closed, goal)
-    return closed, (value if error < LEFT and is_on_line(P, closed, place_) else 2.0 * NO_BRANCH)
+    return closed, (value if error < newton.LEFT and is_on_line(P, closed, place_) else 2.0 * NO_BRANCH)
 
 
 @kernel
@@ -305,7 +283,7 @@ def stretched(P, target, psi, branch, goal, J, A):
 
     Those are looked for first that the nearest exact limb has at an arm angle. With a seed, the nearest of them.
     """
-    boxes = np.empty((1, SIZE))
+    boxes = np.empty((1, limb.SIZE))
     box = row(boxes, 0)
     flat = hold_elbow(P, target.place, goal.respect, box)
     place_ = level_place(target.place)
@@ -335,16 +313,16 @@ def stretched(P, target, psi, branch, goal, J, A):
 @kernel
 def nearest_on_line(P, target, psi, branch, goal, J, A):
     """The posture nearest to a seed whose elbow is on the line S-W: q, branch, cost."""
-    boxes = np.empty((2, SIZE))
+    boxes = np.empty((2, limb.SIZE))
     box, drawn = row(boxes, 0), row(boxes, 1)
     best = stretched(P, target, psi, branch, goal, J, A)
     flat = hold_elbow(P, target.place, goal.respect, box)
     # Curves of the true chain pass next to where the elbow is flat.
     lower, upper = flat - FLAT, flat + FLAT
-    box[LOWER + 3] = max(lower, min(P[LOWER + 3], flat)) if goal.respect else lower
-    box[UPPER + 3] = min(upper, max(P[UPPER + 3], flat)) if goal.respect else upper
+    box[limb.LOWER + 3] = max(lower, min(P[limb.LOWER + 3], flat)) if goal.respect else lower
+    box[limb.UPPER + 3] = min(upper, max(P[limb.UPPER + 3], flat)) if goal.respect else upper
     if best[2] < OUTSIDE and branch >= 0 and draw_to_branch(box, branch, best[0], drawn):
-        copy(drawn, box, SIZE)
+        copy(drawn, box, limb.SIZE)
     if best[2] < OUTSIDE:
         within = Goal(True, goal.seed, True)
         q, _, _ = nearest_among_splits(box, target, within, best)

@@ -14,24 +14,7 @@ from srs_ik.kernels.exact.summit import downhill
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.near.scan import (
-    FASTER,
-    MAX_POINTS,
-    POINT,
-    POINT_BRANCH,
-    POINT_COSTS,
-    POINT_OFF,
-    POINT_PSI,
-    POINT_RATES,
-    POINT_SLOPES,
-    close_points,
-    cost_of,
-    is_narrow,
-    joint_figures,
-    put_between,
-    put_costs,
-    put_points,
-)
+from srs_ik.kernels.near import scan
 
 GAIN = 1e-12
 """Costs closer than this are equal."""
@@ -53,9 +36,9 @@ CLOSED_IN = 1e-7
 @kernel
 def joint_between(a, b, joint):
     """Costs of a joint that no posture between two points undercuts, and that none exceeds."""
-    cost_a, rate_a = joint_figures(a, joint)
-    cost_b, rate_b = joint_figures(b, joint)
-    change = FASTER * max(abs(rate_a), abs(rate_b)) * (b[POINT_PSI] - a[POINT_PSI])
+    cost_a, rate_a = scan.joint_figures(a, joint)
+    cost_b, rate_b = scan.joint_figures(b, joint)
+    change = scan.FASTER * max(abs(rate_a), abs(rate_b)) * (b[scan.POINT_PSI] - a[scan.POINT_PSI])
     return 0.5 * (cost_a + cost_b - change), 0.5 * (cost_a + cost_b + change)
 
 
@@ -75,12 +58,16 @@ def has_maximum(a, b, joint):
     It rises behind the middle of the range: of a joint that was on its way there, or is on its way back, or goes there
     and comes back.
     """
-    slope_a, slope_b = a[POINT_SLOPES + joint], b[POINT_SLOPES + joint]
-    passes = slope_a * a[POINT_RATES + joint] * slope_b * b[POINT_RATES + joint] < 0.0
+    slope_a, slope_b = a[scan.POINT_SLOPES + joint], b[scan.POINT_SLOPES + joint]
+    passes = slope_a * a[scan.POINT_RATES + joint] * slope_b * b[scan.POINT_RATES + joint] < 0.0
     if passes or not slope_a < 0.0 < slope_b:
         return slope_a > 0.0 > slope_b or (passes and (slope_a > 0.0 or slope_b < 0.0))
     # Where the tangents meet, behind the middle?
-    off_a, off_b, width = 1.0 + a[POINT_COSTS + joint], 1.0 + b[POINT_COSTS + joint], b[POINT_PSI] - a[POINT_PSI]
+    off_a, off_b, width = (
+        1.0 + a[scan.POINT_COSTS + joint],
+        1.0 + b[scan.POINT_COSTS + joint],
+        b[scan.POINT_PSI] - a[scan.POINT_PSI],
+    )
     return off_a + slope_a * (off_a - off_b + slope_b * width) / (slope_b - slope_a) < 0.0
 
 
@@ -97,10 +84,10 @@ def is_valley(a, b, least):
 def measure_points(P, points, first, last, best):
     """Tell the costs of points, in whole eights, of which the rows first to last - 1 count; the best one so far."""
     for i in range(first, last, 8):
-        put_costs(P, row(points, i))
+        scan.put_costs(P, row(points, i))
     for i in range(first, last):
-        if points[i, POINT_OFF] < best.cost:
-            best = Best(read7(points[i]), points[i, POINT_OFF])
+        if points[i, scan.POINT_OFF] < best.cost:
+            best = Best(read7(points[i]), points[i, scan.POINT_OFF])
     return best
 
 
@@ -118,15 +105,15 @@ def spread_points(found, points, gaps):
             break
         taken += 1
         for k in range(parts + 1):
-            points[count, POINT_PSI] = lower + (upper - lower) * k / parts
-            points[count, POINT_BRANCH] = found[i, 0]
+            points[count, scan.POINT_PSI] = lower + (upper - lower) * k / parts
+            points[count, scan.POINT_BRANCH] = found[i, 0]
             if k > 0:
                 gaps[left, 0], gaps[left, 1] = count - 1, count
                 left += 1
             count += 1
     while count % 8 != 0:
-        points[count, POINT_PSI] = points[count - 1, POINT_PSI]
-        points[count, POINT_BRANCH] = points[count - 1, POINT_BRANCH]
+        points[count, scan.POINT_PSI] = points[count - 1, scan.POINT_PSI]
+        points[count, scan.POINT_BRANCH] = points[count - 1, scan.POINT_BRANCH]
         count += 1
     return taken, count, left
 
@@ -141,7 +128,7 @@ def sort_gaps(points, gaps, kept, left, lowest):
     while i < left and i < kept + 8:
         a, b = points[gaps[i, 0]], points[gaps[i, 1]]
         valley = False
-        if is_narrow(a, b):
+        if scan.is_narrow(a, b):
             least = least_cost(a, b)
             if least > lowest - GAIN:
                 left -= 1
@@ -166,7 +153,7 @@ def halve_gaps(P, view, n, left, best):
     points, gaps = view.points, view.gaps
     kept, left, long = sort_gaps(points, gaps, 0, left, best.cost)
     while long > 0:
-        if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps[kept:], long, n):
+        if n + 8 > scan.MAX_POINTS or not scan.put_between(P, view, points, gaps[kept:], long, n):
             return -1, best
         best = measure_points(P, points, n, n + 8, best)
         for i in range(long):
@@ -181,18 +168,18 @@ def halve_gaps(P, view, n, left, best):
 @kernel
 def copy_point(source, i, target, k):
     """Copy a point."""
-    copy(row(source, i), row(target, k), POINT)
+    copy(row(source, i), row(target, k), scan.POINT)
 
 
 @kernel
 def next_arm_angle(a, b, latest, step):
     """Where to look for the minimum between two points, from the latest one."""
-    lower, upper = a[POINT_PSI], b[POINT_PSI]
-    x = latest[POINT_PSI] + downhill(latest, POINT_COSTS, POINT_SLOPES, cost_of(latest)[2])
+    lower, upper = a[scan.POINT_PSI], b[scan.POINT_PSI]
+    x = latest[scan.POINT_PSI] + downhill(latest, scan.POINT_COSTS, scan.POINT_SLOPES, scan.cost_of(latest)[2])
     if not lower < x < upper:
-        cost_a, slope_a, active_a = cost_of(a)
-        cost_b, slope_b, active_b = cost_of(b)
-        own_a, own_b = a[POINT_SLOPES + active_b], b[POINT_SLOPES + active_a]
+        cost_a, slope_a, active_a = scan.cost_of(a)
+        cost_b, slope_b, active_b = scan.cost_of(b)
+        own_a, own_b = a[scan.POINT_SLOPES + active_b], b[scan.POINT_SLOPES + active_a]
         width = upper - lower
         # Where the tangents of two meet, or where the rate of one vanishes before it meets another.
         x = lower + (cost_a - cost_b + slope_b * width) / (slope_b - slope_a)
@@ -222,27 +209,27 @@ def close_in(P, view, gaps, work, best):
         a, b = gaps[i, 0], gaps[i, 1]
         copy_point(points, a, work, i)
         copy_point(points, b, work, 8 + i)
-        copy_point(points, a if points[a, POINT_OFF] < points[b, POINT_OFF] else b, work, 16 + i)
+        copy_point(points, a if points[a, scan.POINT_OFF] < points[b, scan.POINT_OFF] else b, work, 16 + i)
     for i in range(8):
         copy_point(work, 16, work, 24 + i)
     for step in range(CLOSING_STEPS):
         longest = 0.0
         for i in range(count):
             x = next_arm_angle(work[i], work[8 + i], work[16 + i], step)
-            way = x - work[16 + i, POINT_PSI]
-            _, slope, _ = cost_of(work[16 + i])
+            way = x - work[16 + i, scan.POINT_PSI]
+            _, slope, _ = scan.cost_of(work[16 + i])
             longest = max(longest, abs(way) if abs(way * slope) > GAIN else 0.0)
             for j in range(7):
-                work[24 + i, j] = work[16 + i, j] + way * work[16 + i, POINT_RATES + j]
-            work[24 + i, POINT_PSI] = x
-            work[24 + i, POINT_BRANCH] = work[i, POINT_BRANCH]
+                work[24 + i, j] = work[16 + i, j] + way * work[16 + i, scan.POINT_RATES + j]
+            work[24 + i, scan.POINT_PSI] = x
+            work[24 + i, scan.POINT_BRANCH] = work[i, scan.POINT_BRANCH]
         if longest == 0.0:
             break
-        if not close_points(P, view.target, work, 24):
+        if not scan.close_points(P, view.target, work, 24):
             return best, False
         best = measure_points(P, work, 24, 24 + count, best)
         for i in range(count):
-            _, slope, _ = cost_of(work[24 + i])
+            _, slope, _ = scan.cost_of(work[24 + i])
             copy_point(work, 24 + i, work, 16 + i)
             copy_point(work, 24 + i, work, i if slope < 0.0 else 8 + i)
         if longest < CLOSED_IN:
@@ -256,7 +243,7 @@ def best_of_some(P, view, found, best):
     points, gaps = view.points, view.gaps
     taken, count, left = spread_points(found, points, gaps)
     for i in range(0, count, 8):
-        if not put_points(P, view, points, i):
+        if not scan.put_points(P, view, points, i):
             return best, taken, False
     best = measure_points(P, points, 0, count, best)
     left, best = halve_gaps(P, view, count, left, best)
@@ -265,12 +252,12 @@ def best_of_some(P, view, found, best):
     kept = 0
     for i in range(left):
         a, b = points[gaps[i, 0]], points[gaps[i, 1]]
-        _, slope_a, _ = cost_of(a)
-        _, slope_b, _ = cost_of(b)
-        if slope_a < 0.0 < slope_b and not (is_narrow(a, b) and least_cost(a, b) > best.cost - GAIN):
+        _, slope_a, _ = scan.cost_of(a)
+        _, slope_b, _ = scan.cost_of(b)
+        if slope_a < 0.0 < slope_b and not (scan.is_narrow(a, b) and least_cost(a, b) > best.cost - GAIN):
             gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
             kept += 1
-    work = np.empty((32, POINT))
+    work = np.empty((32, scan.POINT))
     for i in range(0, kept, 8):
         best, sure = close_in(P, view, gaps[i:kept], work, best)
         if not sure:

@@ -12,19 +12,7 @@ import math
 from srs_ik.kernels.algebra.vectors import add, cross
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.objectives import (
-    FORCE,
-    GRAVITY,
-    LIMIT_MARGIN,
-    RATIO,
-    REFERENCE,
-    RESPECT,
-    SMALLEST,
-    TWIST,
-    VELOCITY,
-    WEIGHT,
-    WRENCH,
-)
+from srs_ik.kernels.layout import objectives as at
 from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.optimum.gravity import squared_torque
@@ -81,21 +69,21 @@ def volume(J):
 @kernel
 def toward_reference(P, params, q):
     """The posture with every joint in the turn nearest to the reference, inside its limits where they are respected."""
-    return turned(P, q, True, read7(params), params[RESPECT] == 1.0)
+    return turned(P, q, True, read7(params), params[at.RESPECT] == 1.0)
 
 
 @kernel
 def figure(kind, params, J):
     """Value of an objective for a Jacobian, which may be overwritten."""
-    if kind == RATIO:
-        return along_direction(J, params, 0, 3) / max(along_direction(J, params, 3, 3), SMALLEST)
-    if kind == FORCE:
+    if kind == at.RATIO:
+        return along_direction(J, params, 0, 3) / max(along_direction(J, params, 3, 3), at.SMALLEST)
+    if kind == at.FORCE:
         return along_direction(J, params, 0, 3)
-    if kind == VELOCITY:
+    if kind == at.VELOCITY:
         return -along_direction(J, params, 3, 3)
-    if kind == TWIST:
+    if kind == at.TWIST:
         return -along_direction(J, params, 0, 6)
-    if kind == WRENCH:
+    if kind == at.WRENCH:
         return along_direction(J, params, 0, 6)
     return -volume(J)
 
@@ -103,11 +91,11 @@ def figure(kind, params, J):
 @kernel
 def objective(P, kind, params, q, J):
     """Value of an objective at a posture; J is work space."""
-    if kind == LIMIT_MARGIN:
+    if kind == at.LIMIT_MARGIN:
         return cost(P, q, False, NO_SEED, False)
-    if kind == REFERENCE:
+    if kind == at.REFERENCE:
         return cost(P, toward_reference(P, params, q), True, read7(params), False)
-    if kind == GRAVITY:
-        return squared_torque(P, params[WEIGHT:], q, J)
+    if kind == at.GRAVITY:
+        return squared_torque(P, params[at.WEIGHT :], q, J)
     tip_jacobian(P, q, J)
     return figure(kind, params, J)

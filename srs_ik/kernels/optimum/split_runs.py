@@ -17,18 +17,8 @@ from srs_ik.kernels.chain.newton import CLOSED, close_gently
 from srs_ik.kernels.curves.follow import put
 from srs_ik.kernels.curves.runs import cut
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.asked import Samples, Setting
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A3,
-    AXES,
-    COS_STRAIGHT,
-    SHOULDER,
-    SIN_STRAIGHT,
-    SIZE,
-    STRAIGHT,
-    WRIST,
-)
 from srs_ik.kernels.layout.search import LINES, MOST_LINES, SPLIT, SURFACE
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
@@ -58,7 +48,7 @@ def moved_along(q, x1, x3, x5, x7):
 @kernel
 def split_by(P, k, q, x):
     """A posture with joint 1 of the spherical joint at block k turned by x, and joint 3 so that their sum stays."""
-    if k == SHOULDER:
+    if k == at.SHOULDER:
         return moved_along(q, x, -toward_of(P, k, q[1]) * x, 0.0, 0.0)
     return moved_along(q, 0.0, 0.0, x, -toward_of(P, k, q[5]) * x)
 
@@ -66,8 +56,8 @@ def split_by(P, k, q, x):
 @kernel
 def swung_by(P, q, x):
     """A posture of a straight arm, shoulder to wrist along axes 3 and 5, swung about that line."""
-    a5 = rotate(load3(P, AXES + 9), P[COS_STRAIGHT], P[SIN_STRAIGHT], load3(P, WRIST + A1))
-    return moved_along(q, 0.0, x, -math.copysign(x, dot(load3(P, SHOULDER + A3), a5)), 0.0)
+    a5 = rotate(load3(P, at.AXES + 9), P[at.COS_STRAIGHT], P[at.SIN_STRAIGHT], load3(P, at.WRIST + at.A1))
+    return moved_along(q, 0.0, x, -math.copysign(x, dot(load3(P, at.SHOULDER + at.A3), a5)), 0.0)
 
 
 @kernel
@@ -86,9 +76,9 @@ def put_line(P, by, q, line_of, line, out, used):
             start = swung_by(P, q, x)
         else:
             if way != 1:
-                start = split_by(P, SHOULDER, start, x)
+                start = split_by(P, at.SHOULDER, start, x)
             if way != 0:
-                start = split_by(P, WRIST, start, -x if way == 3 else x)
+                start = split_by(P, at.WRIST, start, -x if way == 3 else x)
         closed, error = close_gently(P, start, by.target.R, by.target.p, False, by.J, by.A)
         if error <= CLOSED:
             count = put(line, count, x, closed)
@@ -101,14 +91,14 @@ def put_line(P, by, q, line_of, line, out, used):
 @kernel
 def survey_splits(P, by, line, out, used):
     """Sample the free splits of a pose behind the rows and runs in use: rows and runs in use then."""
-    boxes = np.empty((1, SIZE))
+    boxes = np.empty((1, at.SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
     for elbow in range(2):
         side = elbow_side(P, by.target.place, elbow)
         by = Setting(by.target, side, by.respect, by.J, by.A)
         for i in range(4):
-            block = SHOULDER if i < 2 else WRIST
+            block = at.SHOULDER if i < 2 else at.WRIST
             if not comes_in_line(P, block, i % 2):
                 continue
             psi, least, most = closest(P, block, side[1] if i < 2 else side[2], i % 2)
@@ -123,12 +113,14 @@ def survey_splits(P, by, line, out, used):
                     q, _, value = side_posture(wide, side, angle, (branch >> 1) & 1, branch & 1, False, NO_SEED, False)
                     if value >= NO_BRANCH:
                         continue
-                    surface = is_in_line(P, WRIST, q[5], NEARLY) if i < 2 else is_in_line(P, SHOULDER, q[1], NEARLY)
+                    surface = (
+                        is_in_line(P, at.WRIST, q[5], NEARLY) if i < 2 else is_in_line(P, at.SHOULDER, q[1], NEARLY)
+                    )
                     code = branch + (SURFACE if surface or everywhere else SPLIT)
                     lines = LINES if surface else 1
                     for k in range(lines):
                         # A segment of the surface at each of so many splits of the other spherical joint.
-                        start = split_by(P, WRIST if i < 2 else SHOULDER, q, k * 2.0 * math.pi / lines)
+                        start = split_by(P, at.WRIST if i < 2 else at.SHOULDER, q, k * 2.0 * math.pi / lines)
                         used = put_line(P, by, start, (i // 2, math.pi, PARTS, code), line, out, used)
     keep(boxes)
     return used
@@ -138,11 +130,11 @@ def survey_splits(P, by, line, out, used):
 def put_star(P, by, q, line, out):
     """Write the runs through a posture in all directions of its surface: rows and runs in use."""
     used = (0, 0)
-    shoulder = is_in_line(P, SHOULDER, q[1], NEARLY)
-    wrist = is_in_line(P, WRIST, q[5], NEARLY)
+    shoulder = is_in_line(P, at.SHOULDER, q[1], NEARLY)
+    wrist = is_in_line(P, at.WRIST, q[5], NEARLY)
     for way in range(5):
         if way == 4:
-            wanted = abs(math.sin(q[3] - P[STRAIGHT])) < NEARLY_IN_LINE
+            wanted = abs(math.sin(q[3] - P[at.STRAIGHT])) < NEARLY_IN_LINE
         else:
             wanted = (shoulder or way == 1) and (wrist or way == 0)
         if wanted:

@@ -21,18 +21,8 @@ from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, is_almost_flat, sp
 from srs_ik.kernels.exact.free_splits import keep_better, worse_by
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import (
-    FAMILY,
-    FREE,
-    LIMITED,
-    LOOSE,
-    LOWER,
-    RANGE_KIND,
-    SIZE,
-    SLACK_SINGULAR,
-    UPPER,
-)
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
@@ -69,7 +59,7 @@ def at_any_bend(family, target, psi, branch, goal, found):
     Each is given as q, branch, cost.
     """
     best = found
-    loose = row(family, LOOSE)
+    loose = row(family, at.LOOSE)
     bends = np.empty(MOST_EVENTS)
     span = span_of_bends(loose, target.place)
     for elbow in range(2):
@@ -122,16 +112,16 @@ def best_in_interval(family, target, interval, wanted, goal, best):
 
     Where outer axes are almost in line, no arm angle tells their split: it is closed as it is.
     """
-    P = row(family, LOOSE + (LIMITED if goal.respect else FREE))
+    P = row(family, at.LOOSE + (at.LIMITED if goal.respect else at.FREE))
     # A flat elbow does not tell on which side its arm angle lies.
     place_ = bent_place(target.place, max(target.place[3], SMALLEST_BEND))
     work = (np.empty((6, 7)), np.empty((16, 9)))
-    boxes = np.empty((1, SIZE))
+    boxes = np.empty((1, at.SIZE))
     box = row(boxes, 0)
     tighten(P, NO_SEED, math.inf, WIDER, box)
     for in_line in range(2 if may_split(P, place_) else 1):
         if in_line == 1:
-            box[SLACK_SINGULAR] = NEARLY_IN_LINE
+            box[at.SLACK_SINGULAR] = NEARLY_IN_LINE
         if goal.seeded:
             q, branch, value = nearest_within(box, place_, interval, -1, goal, best[2])
         else:
@@ -167,7 +157,7 @@ def nearest_alone(family, target, found, goal, best):
 @kernel
 def best_of(family, target, found, branch, goal):
     """The best posture of an exact limb over intervals (n, 3), of a branch (-1: of all), at any bend."""
-    P = row(family, LIMITED)
+    P = row(family, at.LIMITED)
     if goal.seeded:
         best = nearest_within(P, target.place, found, branch, goal, 4.0 * NO_BRANCH)
     else:
@@ -196,7 +186,7 @@ def has_turns(P):
     """Whether a joint has limits that are more than a turn apart."""
     several = False
     for j in range(7):
-        several = several or (P[RANGE_KIND + j] == 0.0 and P[UPPER + j] - P[LOWER + j] < math.inf)
+        several = several or (P[at.RANGE_KIND + j] == 0.0 and P[at.UPPER + j] - P[at.LOWER + j] < math.inf)
     return several
 
 
@@ -204,11 +194,11 @@ def has_turns(P):
 def best_at_any_bend(family, target, wanted, goal, best):
     """The best posture of a pose as known so far, or a better one of a branch (-1: of all), at any bend."""
     best = best_in_intervals(family, target, wanted, goal, best)
-    if not (goal.seeded and best[2] < OUTSIDE and has_turns(row(family, LIMITED))):
+    if not (goal.seeded and best[2] < OUTSIDE and has_turns(row(family, at.LIMITED))):
         return best
     # Nearer to a seed all joints are within a distance of it: of several turns that leaves one, which ends intervals.
-    boxes = np.empty((FAMILY, SIZE))
-    for k in range(FAMILY):
+    boxes = np.empty((at.FAMILY, at.SIZE))
+    for k in range(at.FAMILY):
         tighten(row(family, k), goal.seed, math.sqrt(best[2]), 0.0, row(boxes, k))
     best = best_in_intervals(boxes, target, wanted, goal, best)
     keep(boxes)

@@ -9,19 +9,8 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import along, cross, norm, scale
+from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import (
-    CLOSED,
-    LEFT,
-    ON_LINE,
-    ROUNDING,
-    arm_angle,
-    clipped,
-    close_free,
-    elbow_across,
-    equations_at_angle,
-    longest,
-)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import FAR, FIRST_JOINT, LOWER, SHOULDER, UPPER, WRIST
@@ -43,7 +32,7 @@ APART = 4.0
 def meets(P, q, target):
     """Whether a posture meets its pose but for rounding: a position is told the worse, the longer the arm is."""
     position, orientation = pose_error(P, q, target.R, target.p)
-    return position < min(LEFT * max(P[FAR], 1.0), SOLVED) and orientation < LEFT
+    return position < min(newton.LEFT * max(P[FAR], 1.0), SOLVED) and orientation < newton.LEFT
 
 
 @kernel
@@ -65,11 +54,11 @@ def vagueness(P, q, target, psi, A):
     """How far apart, rad, postures at an arm angle may be that meet a pose as well as floats tell."""
     t, h0 = target.place[0], target.place[1]
     across = along(scale(math.cos(psi), cross(t, h0)), -math.sin(psi), h0)
-    equations_at_angle(P, q, target.R, target.p, across, A)
+    newton.equations_at_angle(P, q, target.R, target.p, across, A)
     for i in range(6):
-        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
+        A[i, 7] = newton.ROUNDING if i % 2 == 0 else -newton.ROUNDING
     A[6, 7] = 0.0
-    return longest(A) if solve_linear(A, 7) != 0.0 else math.inf
+    return newton.longest(A) if solve_linear(A, 7) != 0.0 else math.inf
 
 
 @kernel
@@ -93,10 +82,10 @@ def put_on_limits(P, target, psi, found, goal):
     if value > OUTSIDE + BARELY:
         return found
     J, A = np.empty((6, 7)), np.empty((16, 9))
-    q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
-    away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
-    if error > CLOSED or not abs(away) <= SAME_ANGLE + APART * vagueness(P, q, target, psi, A):
+    q, error = newton.close_free(P, newton.clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
+    away = short_way(newton.arm_angle(P, q, place_[0], place_[1]) - psi)
+    if error > newton.CLOSED or not abs(away) <= SAME_ANGLE + APART * vagueness(P, q, target, psi, A):
         return found
-    if abs(away) > SAME_ANGLE and abs(away) * norm(elbow_across(P, q, place_[0])) > ON_LINE * P[FAR]:
+    if abs(away) > SAME_ANGLE and abs(away) * norm(newton.elbow_across(P, q, place_[0])) > newton.ON_LINE * P[FAR]:
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)

@@ -11,19 +11,10 @@ from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
 from srs_ik.kernels.chain.newton import CLOSED, close_free
 from srs_ik.kernels.chain.starts import SPLITS, put_splits
 from srs_ik.kernels.curves.best import search_followed
+from srs_ik.kernels.exact import nearest
 from srs_ik.kernels.exact.farthest import farthest, farthest_of_all, whole_circles
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
-from srs_ik.kernels.exact.nearest import (
-    CLOSE,
-    HARDLY,
-    between_limbs,
-    guess,
-    is_alone,
-    look_across,
-    look_beside,
-    settle_inside,
-)
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
@@ -55,7 +46,7 @@ def search_hardly_near(P, target, found, known, goal, J, A):
     q, _, lowest = known
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
-    tighten(P, goal.seed, math.inf, between_limbs(P), wide)
+    tighten(P, goal.seed, math.inf, nearest.between_limbs(P), wide)
     start, _, value = nearest_within(wide, target.place, found, -1, goal, 4.0 * NO_BRANCH)
     keep(boxes)
     if value >= OUTSIDE and not is_unsure(P, q):
@@ -82,7 +73,7 @@ def may_be_singular(P, target, seed, distance, J):
     """
     s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
     s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
-    within = distance + between_limbs(P)
+    within = distance + nearest.between_limbs(P)
     if max(s2, s6) < within and has_surface(P, target.place):
         return True
     return min(s2, s6) < within and put_splits(P, target, J, np.empty((SPLITS, 7)), 0) > 0
@@ -96,7 +87,7 @@ def may_be_in_line(P, place_, seed, distance):
     """
     s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
     s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
-    within = between_limbs(P)
+    within = nearest.between_limbs(P)
     return min(s2, s6) < distance + within and may_line_up(P, place_, within)
 
 
@@ -106,7 +97,7 @@ def intervals_within(family, target, known, goal, found):
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
     P = row(family, LIMITED if goal.respect else FREE)
-    tighten(P, goal.seed, math.sqrt(known[2]) * (1.0 + 1e-9), between_limbs(P), box)
+    tighten(P, goal.seed, math.sqrt(known[2]) * (1.0 + 1e-9), nearest.between_limbs(P), box)
     n = find_intervals(box, target.place, -1, found)
     keep(boxes)
     return n
@@ -139,7 +130,7 @@ def going_on_in_branch(family, target, branch, goal, found, J, A):
     if draw_to_branch(row(family, LIMITED if goal.respect else FREE), branch, around, box):
         within = Goal(True, goal.seed, True)
         found = nearest_among_splits(box, target, within, found)
-        q, value = settle_inside(box, target, goal.seed, within, J, A)
+        q, value = nearest.settle_inside(box, target, goal.seed, within, J, A)
         q, _, value = going_on(box, target, within, (q, branch, value) if value < found[2] else found, J, A)
         found = (q, branch, value)
     keep(boxes)
@@ -157,8 +148,8 @@ def search_beside(family, target, minimum, known, goal, J, A):
     if known[2] >= OUTSIDE:
         return known, True
     told = not may_be_singular(P, target, goal.seed, math.sqrt(known[2]), J)
-    if told and math.sqrt(known[2]) < CLOSE:
-        known, sure = look_across(P, target, known, minimum, goal, J, A)
+    if told and math.sqrt(known[2]) < nearest.CLOSE:
+        known, sure = nearest.look_across(P, target, known, minimum, goal, J, A)
         if sure:
             return known, True
     found = np.empty((8 * MAX_PIECES, 3))
@@ -168,11 +159,11 @@ def search_beside(family, target, minimum, known, goal, J, A):
     told = told and not (is_crowded(P) and may_be_unsure_within(P, target.place, goal.seed, math.sqrt(known[2])))
     if n == 0 and told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2])):
         return (known if minimum else going_on(P, target, goal, known, J, A)), True
-    if P[MISS] < HARDLY * P[FAR]:
+    if P[MISS] < nearest.HARDLY * P[FAR]:
         known, sure = search_hardly_near(P, target, found[:n], known, goal, J, A)
         return (going_on(P, target, goal, known, J, A) if sure else known), sure
     if told and n > 0:
-        return look_beside(P, target, found[:n], known, goal, J, A)
+        return nearest.look_beside(P, target, found[:n], known, goal, J, A)
     return known, False
 
 
@@ -183,9 +174,9 @@ def search_near_seed(family, target, branch, goal, J, A):
     And whether it is told: where the best so far is not in a branch that is wanted, curves are not followed yet.
     """
     P = row(family, LIMITED)
-    q, lowest, minimum = guess(P, target, goal, J, A)
+    q, lowest, minimum = nearest.guess(P, target, goal, J, A)
     known = (q, branch_of(P, q), lowest)
-    if minimum and is_alone(P, goal.seed, lowest):
+    if minimum and nearest.is_alone(P, goal.seed, lowest):
         return known, True
     if lowest < OUTSIDE:
         known = with_splits(P, target, -1, goal, known)

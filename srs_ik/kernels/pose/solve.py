@@ -19,16 +19,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped
 from srs_ik.kernels.exact.free_splits import worse_by
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import (
-    GOOD_POSE,
-    OUT_OF_LIMITS,
-    ROW,
-    ROW_BRANCH,
-    ROW_COST,
-    ROW_JOINT,
-    ROW_STATUS,
-    UNREACHABLE,
-)
+from srs_ik.kernels.layout import answer as at
 from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
@@ -69,7 +60,7 @@ def write_closest(P, target, goal, out):
     q = closest(P, read7(out), target, np.empty((6, 7)), np.empty((16, 9)))
     q = clipped(P, turned(P, q, goal.seeded, goal.seed, True))
     measure_row(P, target, q, branch_of(P, q), UNMET, True, out)
-    out[ROW_STATUS] = UNREACHABLE
+    out[at.ROW_STATUS] = at.UNREACHABLE
 
 
 @kernel
@@ -121,26 +112,26 @@ def best_posture(family, target, branch, goal, J, A):
 def solve_row(family, T, branch, goal, J, A, out):
     """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
     R, p, verdict = read_pose(row(T, 0))
-    if verdict != GOOD_POSE:
+    if verdict != at.GOOD_POSE:
         return verdict
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     target = Target(R, p, place_)
     q, best, lowest = best_posture(family, target, branch, goal, J, A)
     measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
-    if P[IS_NEAR] != 0.0 and branch < 0 and lowest >= UNMET and out[ROW_STATUS] == OUT_OF_LIMITS:
+    if P[IS_NEAR] != 0.0 and branch < 0 and lowest >= UNMET and out[at.ROW_STATUS] == at.OUT_OF_LIMITS:
         # Its nearest exact limb reaches the pose; it does not, limits or not.
-        out[ROW_STATUS] = UNREACHABLE
-    if P[IS_NEAR] != 0.0 and goal.respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):
+        out[at.ROW_STATUS] = at.UNREACHABLE
+    if P[IS_NEAR] != 0.0 and goal.respect and out[at.ROW_STATUS] == at.UNREACHABLE and may_reach(P, place_):
         # What a near limb reaches, its limits forbid.
         if lowest < UNMET:
-            out[ROW_STATUS] = OUT_OF_LIMITS
-            out[ROW_JOINT] = tightest_joint(P, q)
-    if goal.respect and branch < 0 and lowest >= OUTSIDE and out[ROW_STATUS] == UNREACHABLE:
+            out[at.ROW_STATUS] = at.OUT_OF_LIMITS
+            out[at.ROW_JOINT] = tightest_joint(P, q)
+    if goal.respect and branch < 0 and lowest >= OUTSIDE and out[at.ROW_STATUS] == at.UNREACHABLE:
         write_closest(P, target, goal, row(out, 0))
-    elif P[IS_NEAR] != 0.0 and branch < 0 and out[ROW_STATUS] == UNREACHABLE:
+    elif P[IS_NEAR] != 0.0 and branch < 0 and out[at.ROW_STATUS] == at.UNREACHABLE:
         stretch_true(family, target, goal, J, A, out)
-    return GOOD_POSE
+    return at.GOOD_POSE
 
 
 @kernel
@@ -160,7 +151,7 @@ def put_inside(family, target, psi, branch, found, goal):
 def solve_row_at(family, T, psi, branch, goal, J, A, out):
     """Solve one pose at an arm angle, in a branch (-1: any), into a row of `out`; returns the verdict on the pose."""
     R, p, verdict = read_pose(row(T, 0))
-    if verdict != GOOD_POSE:
+    if verdict != at.GOOD_POSE:
         return verdict
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
@@ -172,7 +163,7 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
         if is_closer(P, clipped(F, q), clipped(F, found[0]), target, J):
             found = (q, own_branch, found[2])
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
-    return GOOD_POSE
+    return at.GOOD_POSE
 
 
 @kernel
@@ -180,8 +171,8 @@ def put_branches(P, place_, psi, respect, out, first):
     """The angles of an exact limb's branches at an arm angle, and their costs, into rows of `out` from `first` on."""
     q, sure, costs = farthest_branches(P, place_, psi, respect)
     if sure:
-        put_eight(row(out, first), ROW, ALL, q)
-        scatter(row(out, first), ROW_COST, ROW, costs)
+        put_eight(row(out, first), at.ROW, ALL, q)
+        scatter(row(out, first), at.ROW_COST, at.ROW, costs)
         return
     for elbow in range(2):
         elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
@@ -195,7 +186,7 @@ def all_branches(family, T, asked, J, A, out, first, kept):
     on the pose, and these curves.
     """
     R, p, verdict = read_pose(T)
-    if verdict != GOOD_POSE:
+    if verdict != at.GOOD_POSE:
         return verdict, kept
     psi, respect = asked
     P = row(family, LIMITED)
@@ -207,8 +198,8 @@ def all_branches(family, T, asked, J, A, out, first, kept):
     else:
         kept = solve_all_at_angle(P, target, psi, (respect, J, A), out[first : first + 8], kept)
     rows = row(out, first)
-    position, orientation, measured = tip_errors(P, take_eight(rows, ROW), R, p)
-    right = as_bits(measured & (gather(rows, ROW_COST, ROW) < OUTSIDE))
+    position, orientation, measured = tip_errors(P, take_eight(rows, at.ROW), R, p)
+    right = as_bits(measured & (gather(rows, at.ROW_COST, at.ROW) < OUTSIDE))
     # What is farther outside than by rounding and next to no singularity stays as it is.
     most = math.inf if right != ALL and (P[IS_NEAR] != 0.0 or hides_some(P, place_)) else OUTSIDE + BARELY
     for branch in range(8):
@@ -219,9 +210,9 @@ def all_branches(family, T, asked, J, A, out, first, kept):
                 place_, q, branch, psi, (one_of(position, branch), one_of(orientation, branch)), (False, 0), answer
             )
         else:
-            found = (q, branch, answer[ROW_COST])
+            found = (q, branch, answer[at.ROW_COST])
             if found[2] <= most:
                 found = put_inside(family, target, psi, branch, found, goal)
             measure_row_at(P, target, psi, found, respect, answer)
-            answer[ROW_BRANCH] = branch
-    return GOOD_POSE, kept
+            answer[at.ROW_BRANCH] = branch
+    return at.GOOD_POSE, kept

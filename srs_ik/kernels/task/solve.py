@@ -18,16 +18,8 @@ from srs_ik.kernels.chain.answer import measure_row, write_row
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import answer
 from srs_ik.kernels.layout import task as at
-from srs_ik.kernels.layout.answer import (
-    MAX_PIECES,
-    OK,
-    OUT_OF_LIMITS,
-    ROW_ARM_ANGLE,
-    ROW_JOINT,
-    ROW_STATUS,
-    UNREACHABLE,
-)
 from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, NEAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
@@ -145,7 +137,7 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
     """
     place_, respect = target.place, goal.respect
     is_near, beyond = family[LIMITED, IS_NEAR] != 0.0, is_beyond(row(family, LIMITED), place_)
-    found = np.empty((8 * MAX_PIECES, 3))
+    found = np.empty((8 * answer.MAX_PIECES, 3))
     if beyond or (not is_near and place_[5] != 0.0):
         n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, found)
     else:
@@ -196,13 +188,13 @@ def solve_posed(family, pose, m, branch, goal, work, out):
         return 0.0
     q, b, cost = nearest_feasible(family, target, psi, branch, goal, J, A)
     measure_row(P, target, q, b, cost, goal.respect, out)
-    if P[IS_NEAR] != 0.0 and goal.respect and out[ROW_STATUS] == UNREACHABLE and not is_beyond(P, place_):
+    if P[IS_NEAR] != 0.0 and goal.respect and out[answer.ROW_STATUS] == answer.UNREACHABLE and not is_beyond(P, place_):
         # On a near limb, only an attempt without limits tells what they forbid from what is out of reach.
         free, _, value = at_angle(P, target, psi, -1, Goal(goal.seeded, goal.seed, False), J, A)
         if value < OUTSIDE:
-            out[ROW_STATUS] = OUT_OF_LIMITS
-            out[ROW_JOINT] = tightest_joint(P, free)
-    away = out[ROW_ARM_ANGLE] - psi
+            out[answer.ROW_STATUS] = answer.OUT_OF_LIMITS
+            out[answer.ROW_JOINT] = tightest_joint(P, free)
+    away = out[answer.ROW_ARM_ANGLE] - psi
     return abs(away - 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5))
 
 
@@ -256,7 +248,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
             if lowest < OUTSIDE:
                 break
             lost = solve_posed(family, (R, p), found[3], branch, Goal(seeded, seed, respect), (J, A), out)
-            if out[ROW_STATUS] != OK or lost > 0.0:
+            if out[answer.ROW_STATUS] != answer.OK or lost > 0.0:
                 return found, R, lost
             start = read7(out)
         if may_reach(P, place_) and (attempt != 1 or seeded):

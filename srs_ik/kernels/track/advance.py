@@ -14,47 +14,8 @@ from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, store7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
-from srs_ik.kernels.layout.track import (
-    ASK_FROM,
-    ASKED,
-    BAD_TARGET,
-    CLOSEST,
-    COAST,
-    DETOUR,
-    DETOUR_END,
-    ELSEWHERE,
-    GAP,
-    GOAL,
-    GOAL_RATE,
-    HELD,
-    LOOKS,
-    LOST,
-    LOST_TARGET,
-    MISS,
-    MOVES,
-    NO_TARGET_YET,
-    ON,
-    PERIOD,
-    PLANNED,
-    ROTATION,
-    SPEED,
-    STARTED,
-    STEP_A,
-    STEP_JOINT,
-    STEP_LOST,
-    STEP_ORIENTATION_ERROR,
-    STEP_POSITION_ERROR,
-    STEP_Q,
-    STEP_REASON,
-    STEP_STATUS,
-    STEP_V,
-    STUCK,
-    TICK,
-    UNKNOWN,
-    Q,
-    V,
-)
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
@@ -112,7 +73,7 @@ def scaled(s, a):
 @kernel
 def reach_of_goal(P, C, goal, joint, side):
     """How far a joint of the goal may go in a period, up (1.0) or down (-1.0), rad."""
-    most = FASTER * C[PERIOD] * C[SPEED + joint]
+    most = FASTER * C[at.PERIOD] * C[at.SPEED + joint]
     if side > 0.0:
         return min(most, P[UPPER + joint] - goal[joint])
     return max(-most, P[LOWER + joint] - goal[joint])
@@ -135,35 +96,35 @@ def reaches_of_goal(P, C, g, side):
 @kernel
 def move_goal(P, S, C, pose, work):
     """Take the goal a period on towards the target, by the detour if it is on one: how far it is from it then."""
-    q, goal = read7(row(S, Q)), read7(row(S, GOAL))
+    q, goal = read7(row(S, at.Q)), read7(row(S, at.GOAL))
     low, high = reaches_of_goal(P, C, goal, -1.0), reaches_of_goal(P, C, goal, 1.0)
-    if S[DETOUR] == 1.0:
-        left = minus(read7(row(S, DETOUR_END)), goal)
+    if S[at.DETOUR] == 1.0:
+        left = minus(read7(row(S, at.DETOUR_END)), goal)
         d = between(left, low, high)
         goal = along7(goal, 1.0, d)
         if apart(left, d) < TOGETHER:
-            S[DETOUR] = 0.0
+            S[at.DETOUR] = 0.0
         _, size = error_at(P, C, goal, pose, P[FAR], work[0])
     else:
-        rule = P[FAR], 0.5 * P[FAR] * S[MISS], DAMPING
-        liked = between(scaled(min(C[PERIOD] / COMING, 1.0), minus(q, goal)), low, high)
+        rule = P[FAR], 0.5 * P[FAR] * S[at.MISS], DAMPING
+        liked = between(scaled(min(C[at.PERIOD] / COMING, 1.0), minus(q, goal)), low, high)
         d, size = approach(P, C, pose, goal, (NO_SEED, liked, rule, low, high), 2, work)
-        if S[MISS] < CLOSE < size:
+        if S[at.MISS] < CLOSE < size:
             # Nearer to the joints, the pose may not be met.
             d, size = approach(P, C, pose, goal, (NO_SEED, NO_SEED, rule, low, high), 2, work)
         goal = clipped(P, along7(goal, 1.0, d))
-    share = C[PERIOD] / (C[PERIOD] + SETTLING)
+    share = C[at.PERIOD] / (C[at.PERIOD] + SETTLING)
     for j in range(7):
-        rate = S[GOAL_RATE + j] + share * (d[j] / C[PERIOD] - S[GOAL_RATE + j])
-        S[GOAL_RATE + j] = min(max(rate, -C[SPEED + j]), C[SPEED + j])
-    store7(S, GOAL, goal)
+        rate = S[at.GOAL_RATE + j] + share * (d[j] / C[at.PERIOD] - S[at.GOAL_RATE + j])
+        S[at.GOAL_RATE + j] = min(max(rate, -C[at.SPEED + j]), C[at.SPEED + j])
+    store7(S, at.GOAL, goal)
     return size
 
 
 @kernel
 def follow_goal(S, C, low, high):
     """Velocities with which the joints come to the goal and stop there, as far as their limits allow."""
-    q, goal, rate = read7(row(S, Q)), read7(row(S, GOAL)), read7(row(S, GOAL_RATE))
+    q, goal, rate = read7(row(S, at.Q)), read7(row(S, at.GOAL)), read7(row(S, at.GOAL_RATE))
     v = (
         toward(C, 0, q[0], goal[0], rate[0]),
         toward(C, 1, q[1], goal[1], rate[1]),
@@ -179,8 +140,8 @@ def follow_goal(S, C, low, high):
 @kernel
 def stay_on(P, S, C, pose, own, box, work):
     """The step that keeps the tip on the target, and whether there is one within all limits."""
-    period = C[PERIOD]
-    q, v = read7(row(S, Q)), read7(row(S, V))
+    period = C[at.PERIOD]
+    q, v = read7(row(S, at.Q)), read7(row(S, at.V))
     low, high = scaled(period, box[0]), scaled(period, box[1])
     choice = (between(scaled(period, v), low, high), own, (LEVER, 0.0, DAMPING), low, high)
     d, size = approach(P, C, pose, q, choice, 4, work)
@@ -190,7 +151,7 @@ def stay_on(P, S, C, pose, own, box, work):
 @kernel
 def own_motion(P, S, C, work):
     """The step of the joints by their plan, rad."""
-    if S[PLANNED] == 0.0 or S[TICK] % max(math.floor(PLAN_EVERY / C[PERIOD] + 0.5), 1.0) == 0.0:
+    if S[at.PLANNED] == 0.0 or S[at.TICK] % max(math.floor(PLAN_EVERY / C[at.PERIOD] + 0.5), 1.0) == 0.0:
         foresee(P, S, C, work[3], (work[0], work[1], work[2]))
     return planned_step(S, C)
 
@@ -198,8 +159,8 @@ def own_motion(P, S, C, work):
 @kernel
 def arriving(P, S):
     """Whether the joints are on their way to a posture on a target that rests: they brake in time by themselves."""
-    known = S[MISS] < CLOSE or S[DETOUR] == 1.0
-    return S[ON] == 0.0 and S[PLANNED] == 0.0 and known and busyness(P, S) < RESTING
+    known = S[at.MISS] < CLOSE or S[at.DETOUR] == 1.0
+    return S[at.ON] == 0.0 and S[at.PLANNED] == 0.0 and known and busyness(P, S) < RESTING
 
 
 @kernel
@@ -207,7 +168,7 @@ def most_used(C, v):
     """The largest share of a joint's velocity that is used."""
     most = 0.0
     for j in range(7):
-        most = max(most, abs(v[j]) / C[SPEED + j])
+        most = max(most, abs(v[j]) / C[at.SPEED + j])
     return most
 
 
@@ -215,70 +176,64 @@ def most_used(C, v):
 def comes_closer(P, S, C, v, size, pose):
     """Whether a tip close to its target comes closer, or may: while a joint moves, unless the target rests in reach."""
     if busyness(P, S) >= RESTING or out_of_reach(P, C, pose):
-        S[CLOSEST] = math.inf
+        S[at.CLOSEST] = math.inf
         return most_used(C, v) > AT_REST
-    closer = size < CLOSER * S[CLOSEST]
+    closer = size < CLOSER * S[at.CLOSEST]
     if closer:
-        S[CLOSEST] = size
+        S[at.CLOSEST] = size
     return closer
 
 
 @kernel
 def watch(P, S, C, q, size, pose, work):
     """Keep account of how long the goal has been off the target, or gone from the joints, and look elsewhere then."""
-    closer, jumped = size < CLOSER * S[MISS], size > S[MISS] + JUMP
-    S[MISS] = size
+    closer, jumped = size < CLOSER * S[at.MISS], size > S[at.MISS] + JUMP
+    S[at.MISS] = size
     if size < CLOSE:
-        S[STUCK] = 0.0
-        end_search(S, UNKNOWN)
-        if S[TICK] % AGAIN == 0.0:
-            if S[DETOUR] == 1.0:
+        S[at.STUCK] = 0.0
+        end_search(S, at.UNKNOWN)
+        if S[at.TICK] % AGAIN == 0.0:
+            if S[at.DETOUR] == 1.0:
                 keep_detour(P, S, C, pose, work)
             look_nearer(P, S, C, q, pose, work)
         return
     if jumped:
-        end_search(S, UNKNOWN)
+        end_search(S, at.UNKNOWN)
     elif closer:
-        S[ELSEWHERE] = UNKNOWN
+        S[at.ELSEWHERE] = at.UNKNOWN
         return
-    S[STUCK] += 1.0
-    if S[STUCK] < STUCK_FOR or out_of_reach(P, C, pose):
+    S[at.STUCK] += 1.0
+    if S[at.STUCK] < STUCK_FOR or out_of_reach(P, C, pose):
         return
-    if (S[STUCK] - STUCK_FOR) % (AGAIN if S[LOOKS] == 0.0 else AT_ONCE) != 0.0:
+    if (S[at.STUCK] - STUCK_FOR) % (AGAIN if S[at.LOOKS] == 0.0 else AT_ONCE) != 0.0:
         return
-    if S[DETOUR] == 1.0:
+    if S[at.DETOUR] == 1.0:
         keep_detour(P, S, C, pose, work)
     else:
         look_elsewhere(P, S, C, pose, size, work)
 
 
 @kernel
-def brake(S, C, box):
-    """Come to rest as fast as one may."""
-    return between(NO_SEED, box[0], box[1])
-
-
-@kernel
 def write_step(S, C, q, v, said, out):
     """Write an update's answer, and the state of the joints."""
     for j in range(7):
-        out[STEP_Q + j] = q[j]
-        out[STEP_V + j] = v[j]
-        out[STEP_A + j] = (v[j] - S[V + j]) / C[PERIOD]
-        S[Q + j] = q[j]
-        S[V + j] = v[j]
-    out[STEP_STATUS] = said[0]
-    out[STEP_REASON] = said[1]
-    out[STEP_JOINT] = said[2]
-    out[STEP_LOST] = S[LOST]
+        out[at.STEP_Q + j] = q[j]
+        out[at.STEP_V + j] = v[j]
+        out[at.STEP_A + j] = (v[j] - S[at.V + j]) / C[at.PERIOD]
+        S[at.Q + j] = q[j]
+        S[at.V + j] = v[j]
+    out[at.STEP_STATUS] = said[0]
+    out[at.STEP_REASON] = said[1]
+    out[at.STEP_JOINT] = said[2]
+    out[at.STEP_LOST] = S[at.LOST]
 
 
 @kernel
 def step_to(P, S, C, v):
     """Where the joints are after a period, inside their limits, and the velocities that lead there."""
-    q = read7(row(S, Q))
-    after = clipped(P, along7(q, C[PERIOD], v))
-    return after, scaled(1.0 / C[PERIOD], minus(after, q))
+    q = read7(row(S, at.Q))
+    after = clipped(P, along7(q, C[at.PERIOD], v))
+    return after, scaled(1.0 / C[at.PERIOD], minus(after, q))
 
 
 @kernel
@@ -295,70 +250,70 @@ def advance(P, S, C, given, work, out):
     """
     has, R, p = given
     J, A, _, _ = work
-    q, v = read7(row(S, Q)), read7(row(S, V))
+    q, v = read7(row(S, at.Q)), read7(row(S, at.V))
     box = bounds(P, C, q, v, -1.0), bounds(P, C, q, v, 1.0)
-    S[TICK] += 1.0
-    known = S[STARTED] == 1.0
-    shown = load_pose(S, ROTATION)
+    S[at.TICK] += 1.0
+    known = S[at.STARTED] == 1.0
+    shown = load_pose(S, at.ROTATION)
     if has == 1:
         take_target(P, S, C, (wanted(P, S, C, R), p))
     elif known:
         lose_target(S, C)
     else:
-        after, v = step_to(P, S, C, brake(S, C, box))
-        store7(S, GOAL, after)
-        out[STEP_POSITION_ERROR] = out[STEP_ORIENTATION_ERROR] = math.inf
-        write_step(S, C, after, v, (HELD, NO_TARGET_YET if has == 0 else BAD_TARGET, 0), out)
+        after, v = step_to(P, S, C, between(NO_SEED, box[0], box[1]))
+        store7(S, at.GOAL, after)
+        out[at.STEP_POSITION_ERROR] = out[at.STEP_ORIENTATION_ERROR] = math.inf
+        write_step(S, C, after, v, (at.HELD, at.NO_TARGET_YET if has == 0 else at.BAD_TARGET, 0), out)
         return
     if known:
         keep_pace(S, C, shown)
         if busyness(P, S) >= RESTING:
-            S[ASKED] = MOVES
-        elif S[TICK] >= S[ASK_FROM]:
-            S[ASKED] = UNKNOWN
-    R_target, p_target = load_pose(S, ROTATION)
+            S[at.ASKED] = at.MOVES
+        elif S[at.TICK] >= S[at.ASK_FROM]:
+            S[at.ASKED] = at.UNKNOWN
+    R_target, p_target = load_pose(S, at.ROTATION)
     pose = R_target, p_target
     size, on, near = 0.0, False, False
     left = way_left(P, S, C)
-    close_by = left[3] < (STAYS if S[PLANNED] == 1.0 else CLOSE_BY)
-    if S[CLOSEST] < math.inf and busyness(P, S) >= RESTING:
+    close_by = left[3] < (STAYS if S[at.PLANNED] == 1.0 else CLOSE_BY)
+    if S[at.CLOSEST] < math.inf and busyness(P, S) >= RESTING:
         # The target rested and moves on: the straight way may be one again.
-        S[CLOSEST], S[COAST] = math.inf, 0.0
-    if S[COAST] < COAST_FOR and (S[ON] == 1.0 or (close_by and not arriving(P, S))):
-        if S[PLANNED] == 0.0:
-            S[CLOSEST] = math.inf
+        S[at.CLOSEST], S[at.COAST] = math.inf, 0.0
+    if S[at.COAST] < COAST_FOR and (S[at.ON] == 1.0 or (close_by and not arriving(P, S))):
+        if S[at.PLANNED] == 0.0:
+            S[at.CLOSEST] = math.inf
         own = own_motion(P, S, C, work)
-        if S[ON] == 1.0:
+        if S[at.ON] == 1.0:
             d, on = stay_on(P, S, C, pose, own, box, (J, A))
         near = not on and close_by
         if near:
             d = catch_up(P, S, C, left, own, box, (J, A))
-        v = scaled(1.0 / C[PERIOD], d)
+        v = scaled(1.0 / C[at.PERIOD], d)
     if not (on or near):
-        S[PLANNED] = 0.0
+        S[at.PLANNED] = 0.0
     if on or near:
         after, v = step_to(P, S, C, v)
-        store7(S, GOAL, after)
-        store7(S, GOAL_RATE, v)
-        S[GAP] = math.inf
+        store7(S, at.GOAL, after)
+        store7(S, at.GOAL_RATE, v)
+        S[at.GAP] = math.inf
         if near:
             _, size = error_at(P, C, after, pose, P[FAR], J)
             on = size < MET
-        S[COAST] = 0.0 if on or comes_closer(P, S, C, v, size, pose) else S[COAST] + 1.0
+        S[at.COAST] = 0.0 if on or comes_closer(P, S, C, v, size, pose) else S[at.COAST] + 1.0
     else:
         size = move_goal(P, S, C, pose, (J, A))
         after, v = step_to(P, S, C, follow_goal(S, C, box[0], box[1]))
-        on = size < MET and apart(after, read7(row(S, GOAL))) < TOGETHER
+        on = size < MET and apart(after, read7(row(S, at.GOAL))) < TOGETHER
         if size < CLOSE:
-            S[COAST] = 0.0
-    S[ON] = 1.0 if on else 0.0
+            S[at.COAST] = 0.0
+    S[at.ON] = 1.0 if on else 0.0
     if near and size >= CLOSE:
         said = on_the_way(P, S, C, v, pose)
     else:
         watch(P, S, C, after, size, pose, (J, A))
         said = verdict(P, S, C, after, size, pose)
     if has != 1:
-        said = HELD, LOST_TARGET if has == 0 else BAD_TARGET, said[2]
+        said = at.HELD, at.LOST_TARGET if has == 0 else at.BAD_TARGET, said[2]
         R, p = R_target, p_target
-    out[STEP_POSITION_ERROR], out[STEP_ORIENTATION_ERROR] = error_left(P, C, after, R, p)
+    out[at.STEP_POSITION_ERROR], out[at.STEP_ORIENTATION_ERROR] = error_left(P, C, after, R, p)
     write_step(S, C, after, v, said, out)

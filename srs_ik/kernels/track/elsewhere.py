@@ -17,24 +17,9 @@ from srs_ik.kernels.exact.farthest import branch_at
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS, SIZE
-from srs_ik.kernels.layout.track import (
-    ASKED,
-    DETOUR,
-    DETOUR_END,
-    ELSEWHERE,
-    GAP,
-    GOAL,
-    HAS_FREE,
-    LOOKS,
-    MOVES,
-    NOWHERE,
-    RECONFIGURE,
-    SEEN,
-    TRIED,
-    UNKNOWN,
-)
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.limits import tighten
@@ -149,9 +134,9 @@ def postures_to_try(P, start, place_):
 @kernel
 def end_search(S, known):
     """Write what is known of postures that reach the target; the next look begins anew."""
-    S[ELSEWHERE] = known
-    S[LOOKS] = S[TRIED] = 0.0
-    S[SEEN] = UNKNOWN
+    S[at.ELSEWHERE] = known
+    S[at.LOOKS] = S[at.TRIED] = 0.0
+    S[at.SEEN] = at.UNKNOWN
 
 
 @kernel
@@ -163,17 +148,17 @@ def look_elsewhere(P, S, C, pose, size, work):
     said of a target that moves and that the goal misses by `size` if that is within what the nearest exact limb can
     tell; of one that rests, the search of the whole redundancy has the last word.
     """
-    goal = read7(row(S, GOAL))
-    place_ = place(P, allowed_turn(P, C, goal, pose[0], S[LOOKS]), pose[1])
-    own, way, other, farther = postures_to_try(P, (goal, S[TRIED]), place_)
-    whole = C[HAS_FREE] == 0.0
+    goal = read7(row(S, at.GOAL))
+    place_ = place(P, allowed_turn(P, C, goal, pose[0], S[at.LOOKS]), pose[1])
+    own, way, other, farther = postures_to_try(P, (goal, S[at.TRIED]), place_)
+    whole = C[at.HAS_FREE] == 0.0
     if whole and P[IS_CLOSED] == 1.0 and way <= SHORTEST:
-        S[ELSEWHERE] = UNKNOWN
+        S[at.ELSEWHERE] = at.UNKNOWN
         return
-    S[LOOKS] += 1.0
-    near = way < LONGEST and not (whole and S[SEEN] == NOWHERE)
-    if whole and not near and S[SEEN] == UNKNOWN and S[TRIED] > 0.0:
-        S[SEEN], S[TRIED] = NOWHERE, 0.0
+    S[at.LOOKS] += 1.0
+    near = way < LONGEST and not (whole and S[at.SEEN] == at.NOWHERE)
+    if whole and not near and S[at.SEEN] == at.UNKNOWN and S[at.TRIED] > 0.0:
+        S[at.SEEN], S[at.TRIED] = at.NOWHERE, 0.0
         return
     if not near:
         own, way = other, farther
@@ -181,16 +166,16 @@ def look_elsewhere(P, S, C, pose, size, work):
         there, met = on_true_chain(P, C, own, pose, work)
         if met and near:
             send(S, there)
-            end_search(S, UNKNOWN)
+            end_search(S, at.UNKNOWN)
             return
         if met:
-            S[SEEN] = RECONFIGURE
+            S[at.SEEN] = at.RECONFIGURE
         elif whole:
-            S[TRIED] = way + NO_OTHER
+            S[at.TRIED] = way + NO_OTHER
             return
-    if S[LOOKS] >= turns_to_look_at(C):
-        nowhere = NOWHERE if size > P[MISS] or S[ASKED] != MOVES else UNKNOWN
-        end_search(S, RECONFIGURE if S[SEEN] == RECONFIGURE or S[ASKED] == RECONFIGURE else nowhere)
+    if S[at.LOOKS] >= turns_to_look_at(C):
+        nowhere = at.NOWHERE if size > P[MISS] or S[at.ASKED] != at.MOVES else at.UNKNOWN
+        end_search(S, at.RECONFIGURE if S[at.SEEN] == at.RECONFIGURE or S[at.ASKED] == at.RECONFIGURE else nowhere)
 
 
 @kernel
@@ -205,11 +190,11 @@ def on_true_chain(P, C, q, pose, work):
 @kernel
 def keep_detour(P, S, C, pose, work):
     """Let the end of a detour go with the target; where it cannot, end the detour."""
-    there, met = on_true_chain(P, C, read7(row(S, DETOUR_END)), pose, work)
+    there, met = on_true_chain(P, C, read7(row(S, at.DETOUR_END)), pose, work)
     if met:
         send(S, there)
     else:
-        S[DETOUR] = 0.0
+        S[at.DETOUR] = 0.0
 
 
 @kernel
@@ -218,20 +203,20 @@ def look_nearer(P, S, C, q, pose, work):
 
     The goal knows no inertia: it goes around a singular posture in whose midst joints are too slow, and then away.
     """
-    goal = read7(row(S, GOAL))
+    goal = read7(row(S, at.GOAL))
     gap = apart(q, goal)
-    if gap > S[GAP]:
+    if gap > S[at.GAP]:
         place_ = place(P, whole_rotation(P, C, goal, pose[0]), pose[1])
         best, least, _, _ = nearest_postures(P, (q, -1.0), place_, 1.0)
         if least < NEARER * gap:
             there, met = on_true_chain(P, C, best, pose, work)
             if met:
                 send(S, there)
-    S[GAP] = gap
+    S[at.GAP] = gap
 
 
 @kernel
 def send(S, q):
     """Let the goal go to a posture."""
-    S[DETOUR] = 1.0
-    store7(S, DETOUR_END, q)
+    S[at.DETOUR] = 1.0
+    store7(S, at.DETOUR_END, q)

@@ -15,25 +15,8 @@ from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
-from srs_ik.kernels.layout.track import (
-    ACCELERATION,
-    BAND,
-    ELBOW,
-    KEEP,
-    KNOT,
-    KNOTS,
-    PERIOD,
-    PLAN_A,
-    PLAN_AGE,
-    PLAN_Q,
-    PLAN_V,
-    PLANNED,
-    SOFT_START,
-    SPEED,
-    Q,
-    V,
-)
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import column, dot6, error_at
@@ -105,21 +88,21 @@ def busyness(P, S):
 @kernel
 def begin(S):
     """Let a plan begin now; without a plan before, with all joints at rest."""
-    known = S[PLANNED] == 1.0
-    age = S[PLAN_AGE]
+    known = S[at.PLANNED] == 1.0
+    age = S[at.PLAN_AGE]
     for j in range(7):
-        for k in range(KNOTS):
-            i = KNOT + 7 * k + j
+        for k in range(at.KNOTS):
+            i = at.KNOT + 7 * k + j
             if not known:
-                S[i] = S[Q + j]
+                S[i] = S[at.Q + j]
                 continue
-            last = k + 1 == KNOTS
+            last = k + 1 == at.KNOTS
             rise = S[i] - S[i - 7] if last else S[i + 7] - S[i]
             gap = when(k + 1) - when(k) if last else when(k + 2) - when(k + 1)
             S[i] += min(age / gap, 1.0) * rise
-        S[PLAN_Q + j] = S[Q + j]
-        S[PLAN_V + j] = S[V + j]
-    S[PLANNED], S[PLAN_AGE] = 1.0, 0.0
+        S[at.PLAN_Q + j] = S[at.Q + j]
+        S[at.PLAN_V + j] = S[at.V + j]
+    S[at.PLANNED], S[at.PLAN_AGE] = 1.0, 0.0
 
 
 @kernel
@@ -133,27 +116,27 @@ def add_square(B, i, first, second, third, price, wanted):
         if factors[m] == 0.0:
             continue
         r = i - 7 * (2 - m)
-        B[r, BAND + 1] += price * factors[m] * wanted
+        B[r, at.BAND + 1] += price * factors[m] * wanted
         for n in range(m + 1):
             if factors[n] != 0.0:
-                B[r, BAND - 7 * (m - n)] += price * factors[m] * factors[n]
+                B[r, at.BAND - 7 * (m - n)] += price * factors[m] * factors[n]
 
 
 @kernel
 def add_motion(S, C, slow, B):
     """Add what accelerations and velocities cost."""
     for j in range(7):
-        most = C[SPEED + j]
-        push = 1.0 / (UNIT * min(C[ACCELERATION + j], SOFT_START * most) ** 2)
+        most = C[at.SPEED + j]
+        push = 1.0 / (UNIT * min(C[at.ACCELERATION + j], at.SOFT_START * most) ** 2)
         pace = 1.0 / (UNIT * most * most)
-        here, rate, h = S[PLAN_Q + j], S[PLAN_V + j], 0.0
-        for k in range(KNOTS):
+        here, rate, h = S[at.PLAN_Q + j], S[at.PLAN_V + j], 0.0
+        for k in range(at.KNOTS):
             i = 7 * k + j
             g = when(k + 1) - when(k)
             x, y, z = 0.0, 0.0, 1.0 / g
             if k > 0:
                 y = -1.0 / g
-            next_rate = (S[KNOT + i] - here) / g
+            next_rate = (S[at.KNOT + i] - here) / g
             # The change of velocity from the middle of an interval to that of the next; the first velocity is the
             # present one.
             by = 2.0 / (g + h)
@@ -165,16 +148,16 @@ def add_motion(S, C, slow, B):
             add_square(B, i, 0.0, y, z, slow * g * pace, -next_rate)
             if abs(next_rate) > FAST * most:
                 add_square(B, i, 0.0, y, z, TOO_FAST * g * pace, math.copysign(FAST * most, next_rate) - next_rate)
-            here, rate, h = S[KNOT + i], next_rate, g
+            here, rate, h = S[at.KNOT + i], next_rate, g
 
 
 @kernel
 def add_room(P, S, B, price):
     """Add what joints close to their limits cost."""
-    for k in range(KNOTS):
+    for k in range(at.KNOTS):
         for j in range(7):
             i = 7 * k + j
-            up, down = P[UPPER + j] - S[KNOT + i], S[KNOT + i] - P[LOWER + j]
+            up, down = P[UPPER + j] - S[at.KNOT + i], S[at.KNOT + i] - P[LOWER + j]
             side, room = (-1.0, up) if up < down else (1.0, down)
             if room < ROOM:
                 add_square(B, i, 0.0, 0.0, 1.0, price / ROOM**2, side * (ROOM - room))
@@ -185,8 +168,8 @@ def add_room(P, S, B, price):
 @kernel
 def add_poses(P, S, C, J, B):
     """Add what missing the expected poses costs."""
-    for k in range(KNOTS):
-        q = read7(row(S, KNOT + 7 * k))
+    for k in range(at.KNOTS):
+        q = read7(row(S, at.KNOT + 7 * k))
         t = when(k + 1)
         R, p = foretold(S, t)
         e, size = error_at(P, C, q, (R, p), TURNING * P[FAR], J)
@@ -195,15 +178,15 @@ def add_poses(P, S, C, J, B):
         for a in range(7):
             i = 7 * k + a
             of_a = column(J, a)
-            B[i, BAND + 1] += price * dot6(of_a, e)
+            B[i, at.BAND + 1] += price * dot6(of_a, e)
             for b in range(a + 1):
-                B[i, BAND - a + b] += price * dot6(of_a, column(J, b))
+                B[i, at.BAND - a + b] += price * dot6(of_a, column(J, b))
 
 
 @kernel
 def add_wish(P, S, C, task, J, B):
     """Add what is asked of the elbow."""
-    q = read7(row(S, KNOT + 7 * (ASKED - 1)))
+    q = read7(row(S, at.KNOT + 7 * (ASKED - 1)))
     R, p = foretold(S, when(ASKED))
     pose = whole_rotation(P, C, q, R), p
     way, pull = wish(P, C, task, q, pose, J)
@@ -212,33 +195,33 @@ def add_wish(P, S, C, task, J, B):
     rise = slope(P, q, pose)
     for a in range(7):
         i = 7 * (ASKED - 1) + a
-        B[i, BAND + 1] += pull * rise[a] * way
+        B[i, at.BAND + 1] += pull * rise[a] * way
         for b in range(a + 1):
-            B[i, BAND - a + b] += pull * rise[a] * rise[b]
+            B[i, at.BAND - a + b] += pull * rise[a] * rise[b]
 
 
 @kernel
 def improve(P, S, C, task, work):
     """A step of Gauss and Newton of the plan; arguments as in `foresee`."""
     J, _, B = work
-    for i in range(7 * KNOTS):
-        for k in range(BAND + 2):
+    for i in range(7 * at.KNOTS):
+        for k in range(at.BAND + 2):
             B[i, k] = 0.0
-    add_motion(S, C, SLOW if C[ELBOW] == KEEP else ASKED_SLOW, B)
+    add_motion(S, C, SLOW if C[at.ELBOW] == at.KEEP else ASKED_SLOW, B)
     add_room(P, S, B, PRICE * busyness(P, S))
     add_poses(P, S, C, J, B)
     add_wish(P, S, C, task, J, B)
-    solve_band(B, 7 * KNOTS, BAND)
+    solve_band(B, 7 * at.KNOTS, at.BAND)
     for j in range(7):
-        before = S[PLAN_Q + j]
-        for k in range(KNOTS):
+        before = S[at.PLAN_Q + j]
+        for k in range(at.KNOTS):
             i = 7 * k + j
-            there = S[KNOT + i] + min(max(B[i, BAND + 1], -LONGEST), LONGEST)
+            there = S[at.KNOT + i] + min(max(B[i, at.BAND + 1], -LONGEST), LONGEST)
             # A posture that the joint is too slow for, as one in another branch, would draw those before it there.
-            far = (when(k + 1) - when(k)) * C[SPEED + j]
+            far = (when(k + 1) - when(k)) * C[at.SPEED + j]
             there = min(max(there, before - far), before + far)
             before = min(max(there, P[LOWER + j]), P[UPPER + j])
-            S[KNOT + i] = before
+            S[at.KNOT + i] = before
 
 
 @kernel
@@ -257,7 +240,7 @@ def foresee(P, S, C, task, work):
         improve(P, S, C, task, work)
     first = when(1)
     for j in range(7):
-        S[PLAN_A + j] = 2.0 * (S[KNOT + j] - S[PLAN_Q + j] - first * S[PLAN_V + j]) / first**2
+        S[at.PLAN_A + j] = 2.0 * (S[at.KNOT + j] - S[at.PLAN_Q + j] - first * S[at.PLAN_V + j]) / first**2
 
 
 @kernel
@@ -266,7 +249,7 @@ def planned_step(S, C):
 
     Where the tip is brought back to its target, joints are not where the plan has them; to go there is a jerk.
     """
-    period = C[PERIOD]
-    S[PLAN_AGE] += period
-    straight = along7(NO_SEED, period, read7(row(S, V)))
-    return along7(straight, period * period, read7(row(S, PLAN_A)))
+    period = C[at.PERIOD]
+    S[at.PLAN_AGE] += period
+    straight = along7(NO_SEED, period, read7(row(S, at.V)))
+    return along7(straight, period * period, read7(row(S, at.PLAN_A)))

@@ -12,23 +12,8 @@ import math
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR
-from srs_ik.kernels.layout.track import (
-    ACCELERATION,
-    CHANGES,
-    EVERY,
-    GIVEN,
-    IN_A_ROW,
-    NOISE,
-    PERIOD,
-    SOFT_START,
-    SORTED,
-    SPACING,
-    SPEED,
-    WINDOW,
-    WINDOW_AT,
-    WINDOWED,
-)
 from srs_ik.kernels.track.target import load_pose, store_pose, way_to
 
 ENOUGH = 5
@@ -59,12 +44,12 @@ is left of the noise, to the power of 2/9. Between them, it is good for noise fr
 def put_in_order(a, old, new):
     """Replace one of WINDOWED sorted figures by another, and keep the order."""
     k = 0
-    while a[k] != old and k < WINDOWED - 1:
+    while a[k] != old and k < at.WINDOWED - 1:
         k += 1
     while k > 0 and a[k - 1] > new:
         a[k] = a[k - 1]
         k -= 1
-    while k < WINDOWED - 1 and a[k + 1] < new:
+    while k < at.WINDOWED - 1 and a[k + 1] < new:
         a[k] = a[k + 1]
         k += 1
     a[k] = new
@@ -73,15 +58,15 @@ def put_in_order(a, old, new):
 @kernel
 def note(S, i, product):
     """Take a sample of the linear (0) or the angular noise (1) into its window."""
-    here = WINDOW + WINDOWED * i + int(S[WINDOW_AT])
-    put_in_order(row(S, SORTED + WINDOWED * i), S[here], -product)
+    here = at.WINDOW + at.WINDOWED * i + int(S[at.WINDOW_AT])
+    put_in_order(row(S, at.SORTED + at.WINDOWED * i), S[here], -product)
     S[here] = -product
 
 
 @kernel
 def skip(S):
     """A target that has jumped: no difference spans it."""
-    S[IN_A_ROW] = 0.0
+    S[at.IN_A_ROW] = 0.0
 
 
 @kernel
@@ -99,36 +84,36 @@ def common(h1, h2, h3, h4):
 @kernel
 def measure(S, gap, R, p):
     """Take in a target as it came, so many periods after the one before."""
-    linear, angular = way_to(load_pose(S, GIVEN), (R, p))
-    store_pose(S, GIVEN, R, p)
-    if gap > LONGER * S[SPACING]:
+    linear, angular = way_to(load_pose(S, at.GIVEN), (R, p))
+    store_pose(S, at.GIVEN, R, p)
+    if gap > LONGER * S[at.SPACING]:
         skip(S)
-    h1, h2, h3, h4 = gap, S[SPACING], S[SPACING + 1], S[SPACING + 2]
-    S[SPACING], S[SPACING + 1], S[SPACING + 2], S[SPACING + 3] = h1, h2, h3, h4
-    S[IN_A_ROW] = min(S[IN_A_ROW] + 1.0, ENOUGH)
-    if S[IN_A_ROW] == 1.0:
+    h1, h2, h3, h4 = gap, S[at.SPACING], S[at.SPACING + 1], S[at.SPACING + 2]
+    S[at.SPACING], S[at.SPACING + 1], S[at.SPACING + 2], S[at.SPACING + 3] = h1, h2, h3, h4
+    S[at.IN_A_ROW] = min(S[at.IN_A_ROW] + 1.0, ENOUGH)
+    if S[at.IN_A_ROW] == 1.0:
         return
     products = (0.0, 0.0)
     for i in range(6):
         first = (linear[i] if i < 3 else angular[i - 3]) / h1
-        second = (first - S[CHANGES + i]) / (h1 + h2)
-        third = (second - S[CHANGES + 6 + i]) / (h1 + h2 + h3)
-        product = third * S[CHANGES + 12 + i]
+        second = (first - S[at.CHANGES + i]) / (h1 + h2)
+        third = (second - S[at.CHANGES + 6 + i]) / (h1 + h2 + h3)
+        product = third * S[at.CHANGES + 12 + i]
         products = (products[0] + product, products[1]) if i < 3 else (products[0], products[1] + product)
-        S[CHANGES + i], S[CHANGES + 6 + i], S[CHANGES + 12 + i] = first, second, third
-    if S[IN_A_ROW] == ENOUGH:
+        S[at.CHANGES + i], S[at.CHANGES + 6 + i], S[at.CHANGES + 12 + i] = first, second, third
+    if S[at.IN_A_ROW] == ENOUGH:
         evenly = 15.0 / common(h1, h2, h3, h4)
         note(S, 0, evenly * products[0])
         note(S, 1, evenly * products[1])
-        S[EVERY] = 0.25 * (h1 + h2 + h3 + h4)
-        S[WINDOW_AT] = (S[WINDOW_AT] + 1.0) % WINDOWED
-        S[NOISE], S[NOISE + 1] = deviation(S, 0), deviation(S, 1)
+        S[at.EVERY] = 0.25 * (h1 + h2 + h3 + h4)
+        S[at.WINDOW_AT] = (S[at.WINDOW_AT] + 1.0) % at.WINDOWED
+        S[at.NOISE], S[at.NOISE + 1] = deviation(S, 0), deviation(S, 1)
 
 
 @kernel
 def deviation(S, i):
     """Standard deviation of the linear (0) or the angular noise (1), m or rad an axis."""
-    k = SORTED + WINDOWED * i + WINDOWED // 2
+    k = at.SORTED + at.WINDOWED * i + at.WINDOWED // 2
     return math.sqrt(max(0.5 * (S[k - 1] + S[k]), 0.0) / PER_VARIANCE)
 
 
@@ -137,12 +122,12 @@ def asked_for(P, S, C):
     """The time constant of the filter that the noise asks for, seconds."""
     most = math.inf
     for j in range(7):
-        most = min(most, C[ACCELERATION + j], SOFT_START * C[SPEED + j])
-    period = C[PERIOD]
-    shaken = math.hypot(S[NOISE] / (ARM * P[FAR]), S[NOISE + 1])
+        most = min(most, C[at.ACCELERATION + j], at.SOFT_START * C[at.SPEED + j])
+    period = C[at.PERIOD]
+    shaken = math.hypot(S[at.NOISE] / (ARM * P[FAR]), S[at.NOISE + 1])
     # A second difference of white noise is sqrt(6) times as large as the noise.
     share = math.sqrt(6.0) * shaken / (period * period * most)
     if share <= NEGLIGIBLE:
         return 0.0
-    filtered = shaken * math.sqrt(S[EVERY] * period) / (most * USUAL**2.5)
+    filtered = shaken * math.sqrt(S[at.EVERY] * period) / (most * USUAL**2.5)
     return USUAL * (filtered / ASKS_FOR) ** STEEP * (1.0 - NEGLIGIBLE / share)
