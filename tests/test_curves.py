@@ -15,10 +15,11 @@ from oracles import postures_by_steps, random_limb
 import srs_ik
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
+from srs_ik.kernels.curves.changes import goes_on
 from srs_ik.kernels.curves.follow import CURVE
 from srs_ik.kernels.curves.in_step import SAMPLE
-from srs_ik.kernels.curves.told import turns_back
-from srs_ik.kernels.layout.asked import Setting, Target
+from srs_ik.kernels.curves.told import TOLD, TOLD_PSI, TOLD_RATE, TOLD_SINES, turns_back
+from srs_ik.kernels.layout.asked import Samples, Setting, Target
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
@@ -148,3 +149,36 @@ def test_an_arm_angle_that_turns_around_twice_between_samples_is_foretold(turns)
     assert found == both
     if both:
         assert share == pytest.approx(0.5 * (first + last))
+
+
+@numba.njit(error_model="numpy")
+def goes_on_between(P, rows, told, rise):
+    return goes_on(P, Samples(rows, 0, 2), 1, told, rise)
+
+
+def test_nothing_is_looked_for_where_the_arm_angle_goes_on():
+    """Of random cubics between two samples: none is passed over that turns, or before which the angle went back."""
+    rng = np.random.default_rng(1)
+    told = np.ones((2, TOLD))
+    rows = np.zeros((2, SAMPLE))
+    rows[1, 0] = length = 0.3
+    P = np.zeros(0)
+    passed_over = 0
+    for rates in rng.uniform(-2.0, 2.0, (2000, 2)):
+        told[:, TOLD_RATE] = rates
+        told[1, TOLD_PSI] = told[0, TOLD_PSI] + length * rng.uniform(-2.0, 2.0)
+        rise = rng.choice([-1.0, 1.0])
+        if goes_on_between(P, rows, told, rise):
+            change = told[1, TOLD_PSI] - told[0, TOLD_PSI]
+            a, b = length * rates
+            # Hermite's cubic on the way from 0 to 1.
+            angle = np.polynomial.Polynomial([0.0, a, 3.0 * change - 2.0 * a - b, a + b - 2.0 * change])
+            assert (rise * angle.deriv()(np.linspace(0.0, 1.0, 201)) > 0.0).all()
+            assert not foretold((0.0, 0.0, rates[0]), (length, change, rates[1]))[1]
+            passed_over += 1
+    assert passed_over > 100
+    # Nor where a middle angle is on either side of its singularity.
+    told[:, TOLD_RATE], told[1, TOLD_PSI] = 1.0, told[0, TOLD_PSI] + length
+    assert goes_on_between(P, rows, told, 1.0)
+    told[1, TOLD_SINES + 1] = -1.0
+    assert not goes_on_between(P, rows, told, 1.0)

@@ -187,20 +187,27 @@ def dot_four(a, b):
 
 
 @kernel
-def curve_step(P, turns, R, p, d, off):
-    """The step of each joint towards a pose in which it goes by `off` in a direction d, and the way of the curve there.
-
-    Returns the steps, the unit vectors along the curves (oriented like `follow.null_vector`), the square of what the
-    steps have to make up for (m, rad), and whether the hand is on the right side.
-    """
-    made = reduced(P, turns, R, p)
+def curve_ways(made):
+    """The unit vectors along the curves of eight postures (oriented like `follow.null_vector`)."""
     s1, s2, s3, s4 = made.s
     g12 = cross(s1, s2)
     g34 = cross(s3, s4)
     n = (dot(s2, g34), -dot(s1, g34), dot(s4, g12), -dot(s3, g12))
     along_curve = with_wrist(made, (0.0, 0.0, 0.0), n[0], n[1], n[2], n[3])
     size2 = dot7(along_curve, along_curve)
-    t = all_times(where(made.volume < 0.0, 0.0 * size2 - 1.0, 0.0 * size2 + 1.0) * inverse(root(size2)), along_curve)
+    return all_times(where(made.volume < 0.0, 0.0 * size2 - 1.0, 0.0 * size2 + 1.0) * inverse(root(size2)), along_curve)
+
+
+@kernel
+def curve_step(P, turns, R, p, d, off):
+    """The step of each joint towards a pose in which it goes by `off` in a direction d, and the way of the curve there.
+
+    Returns the steps, the unit vectors along the curves, the square of what the steps have to make up for (m, rad), and
+    whether the hand is on the right side.
+    """
+    made = reduced(P, turns, R, p)
+    t = curve_ways(made)
+    s1, s2, s3, s4 = made.s
     # The shortest way of four joints to what is left of the pose, by the inverse of S S'.
     x = (s1[0], s2[0], s3[0], s4[0])
     y = (s1[1], s2[1], s3[1], s4[1])

@@ -13,7 +13,15 @@ from srs_ik.kernels.chain.newton import elbow_across
 from srs_ik.kernels.curves.ends import ON_LIMIT, infeasibility, inside_of_blur, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
-from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, angle_at, rate_at, turns_back
+from srs_ik.kernels.curves.told import (
+    TOLD_MIDDLES,
+    TOLD_PSI,
+    TOLD_RATE,
+    TOLD_SINES,
+    angle_at,
+    rate_at,
+    turns_back,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, phase_of, sine_of
@@ -37,6 +45,9 @@ MOST_BACK = 8
 
 FAR_ON = 0.5 * math.pi
 """Arm angles of two places farther apart than this, rad, may be so the other way around."""
+
+TURNING = 1e-9
+"""An arm angle that goes back by more than this, rad, has turned around."""
 
 CHANGE_STEPS = 60
 DIP_STEPS = 8
@@ -182,6 +193,38 @@ def dip_between(P, by, curve, middle, a, b):
 
 
 @kernel
+def rates_of_sine(P, curve, i, told, middle):
+    """How fast the sine of a middle angle changes at samples i - 1 and i."""
+    rate_a = rate_of_sine(P, load_sample(curve.rows[i - 1]), middle, told[i - 1, TOLD_MIDDLES + middle])
+    return rate_a, rate_of_sine(P, load_sample(curve.rows[i]), middle, told[i, TOLD_MIDDLES + middle])
+
+
+@kernel
+def may_change(P, curve, i, told, middle):
+    """Whether a middle angle is on two sides at samples i - 1 and i, or comes so close to the other that it may be."""
+    at_a, at_b = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
+    if (at_a >= 0.0) != (at_b >= 0.0) or abs(at_a + at_b) >= ARC * (curve.rows[i, 0] - curve.rows[i - 1, 0]):
+        return (at_a >= 0.0) != (at_b >= 0.0)
+    rate_a, rate_b = rates_of_sine(P, curve, i, told, middle)
+    return rate_a < 0.0 < rate_b if at_a >= 0.0 else rate_b < 0.0 < rate_a
+
+
+@kernel
+def goes_on(P, curve, i, told, rise):
+    """Whether the arm angle goes on to rise or to fall from sample i - 1 to i, and no branch may change there.
+
+    `rise` is how it has changed before. The cubic between the two turns nowhere where no rate is too fast.
+    """
+    sign, way = math.copysign(1.0, rise), curve.rows[i, 0] - curve.rows[i - 1, 0]
+    change = sign * short_way(told[i, TOLD_PSI] - told[i - 1, TOLD_PSI])
+    begins, ends = sign * way * told[i - 1, TOLD_RATE], sign * way * told[i, TOLD_RATE]
+    on = change > TURNING and min(begins, ends) > 0.0 and max(begins, ends) < 3.0 * change
+    for middle in range(3):
+        on = on and not may_change(P, curve, i, told, middle)
+    return on
+
+
+@kernel
 def find_changes(P, by, curve, i, told, changes):
     """Write the changes of branch between samples i - 1 and i, in their order, into rows of changes; their number.
 
@@ -190,17 +233,15 @@ def find_changes(P, by, curve, i, told, changes):
     x_a, x_b = curve.rows[i - 1, 0], curve.rows[i, 0]
     n = 0
     for middle in range(3):
+        if not may_change(P, curve, i, told, middle):
+            continue
         at_a, at_b = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
         if (at_a >= 0.0) != (at_b >= 0.0):
             n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x_b, at_b)), middle)
-        elif abs(at_a + at_b) < ARC * (x_b - x_a):
-            rate_a = rate_of_sine(P, load_sample(curve.rows[i - 1]), middle, told[i - 1, TOLD_MIDDLES + middle])
-            rate_b = rate_of_sine(P, load_sample(curve.rows[i]), middle, told[i, TOLD_MIDDLES + middle])
-            falls = rate_a < 0.0 < rate_b if at_a >= 0.0 else rate_b < 0.0 < rate_a
-            if not falls:
-                continue
-            x, at_x, found = dip_between(P, by, curve, middle, (x_a, at_a, rate_a), (x_b, at_b, rate_b))
-            if found:
-                n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x, at_x)), middle)
-                n = put_change(changes, n, change_between(P, by, curve, middle, (x, at_x), (x_b, at_b)), middle)
+            continue
+        rate_a, rate_b = rates_of_sine(P, curve, i, told, middle)
+        x, at_x, found = dip_between(P, by, curve, middle, (x_a, at_a, rate_a), (x_b, at_b, rate_b))
+        if found:
+            n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x, at_x)), middle)
+            n = put_change(changes, n, change_between(P, by, curve, middle, (x, at_x), (x_b, at_b)), middle)
     return n

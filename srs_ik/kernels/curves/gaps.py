@@ -15,7 +15,7 @@ from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_cros
 from srs_ik.kernels.curves.ends import joint_beyond
 from srs_ik.kernels.curves.follow import between, put, share_of_chord
 from srs_ik.kernels.curves.in_step import load_sample
-from srs_ik.kernels.curves.told import turning_between
+from srs_ik.kernels.curves.told import UNTOLD, turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
 from srs_ik.kernels.limb.limits import turn_to_middle
@@ -142,19 +142,26 @@ def outside_of(P, j, end, angle):
 
 
 @kernel
-def turn_across(P, by, a, b, joint_end, bulge):
+def may_turn_across(P, j, end, ways, bulge):
+    """Whether joint j, at two angles on one side of its lower limit (end 0) or its upper one, may pass it between them.
+
+    Next to a straight elbow a joint may turn around by parts of a micrometre on its way, and limits are as narrow as
+    the known postures there are.
+    """
+    at_a = outside_of(P, j, end, turn_to_middle(P, j, ways[0]))
+    at_b = outside_of(P, j, end, turn_to_middle(P, j, ways[1]))
+    return (at_a > 0.0) == (at_b > 0.0) and may_cross(abs(at_a), abs(at_b), bulge)
+
+
+@kernel
+def turn_across(P, by, a, b, joint_end):
     """The posture between two on one side of a limit, of joint j at an end, where that turns around on the other side.
 
-    Returns the posture, and whether there is one. Next to a straight elbow a joint may turn around by parts of a
-    micrometre on its way, and limits are as narrow as the known postures there are.
+    Returns the posture, and whether there is one.
     """
     j, end = joint_end
-    at_a = outside_of(P, j, end, turn_to_middle(P, j, a[j]))
-    at_b = outside_of(P, j, end, turn_to_middle(P, j, b[j]))
-    outside = at_a > 0.0
-    if (at_b > 0.0) != outside or not may_cross(abs(at_a), abs(at_b), bulge):
-        return a, False
-    q = turning_between(P, by, a, b, 1.0 if (end == 1) != outside else -1.0, j)
+    outside = outside_of(P, j, end, turn_to_middle(P, j, a[j])) > 0.0
+    q = turning_between(P, by, a, b, 1.0 if (end == 1) != outside else -1.0, j, UNTOLD)
     return q, (outside_of(P, j, end, turn_to_middle(P, j, q[j])) > 0.0) != outside
 
 
@@ -169,9 +176,9 @@ def put_turns(P, by, start, end, bulge, turns):
     n = 0
     for k in range(14):
         j = k // 2
-        if P[RANGE_KIND + j] == 0.0:
+        if P[RANGE_KIND + j] == 0.0 or not may_turn_across(P, j, k % 2, (a[j], b[j]), bulge):
             continue
-        q, found = turn_across(P, by, a, b, (j, k % 2), bulge)
+        q, found = turn_across(P, by, a, b, (j, k % 2))
         if not found:
             continue
         x = x_a + share_of_chord(a, b, q) * (x_b - x_a)

@@ -15,12 +15,15 @@ from srs_ik.kernels.curves.changes import (
     CHANGE_MIDDLE,
     MOST_BACK,
     MOST_CHANGES,
+    TURNING,
     find_changes,
+    goes_on,
     posture_beside,
     turned_back,
 )
 from srs_ik.kernels.curves.ends import inside_of_blur, on_curve, sample_before
 from srs_ik.kernels.curves.follow import BLURRED
+from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
@@ -28,6 +31,7 @@ from srs_ik.kernels.curves.told import (
     TOLD_BRANCH,
     TOLD_PSI,
     TOLD_RATE,
+    UNTOLD,
     angle_at,
     rate_at,
     tell_samples,
@@ -52,18 +56,6 @@ SHORT_TURN = 1e-7
 """A branch that a curve is in no longer than this, in its parameter and in arm angles, is one of rounding: what lies
 there is on the border of those before and behind."""
 
-TURNING = 1e-9
-"""An arm angle that goes back by more than this, rad, has turned around."""
-
-
-@kernel
-def turning_angle(P, by, curve, ends, psi, sign):
-    """The farthest arm angle, in the direction of a sign, between two parameters; psi is close by."""
-    a, _ = on_curve(P, by, 0, curve, ends[0])
-    b, _ = on_curve(P, by, 0, curve, ends[1])
-    turning = inside_of_blur(P, by, turning_between(P, by, a, b, sign, ARM_ANGLE), BLURRED)
-    return psi + short_way(angle_at(P, by, turning) - psi)
-
 
 @kernel
 def open_span(spans, n, index, branch, x, psi):
@@ -86,6 +78,13 @@ def extend(span, x, psi):
     span[5] = max(span[5], psi)
 
 
+class Place(NamedTuple):
+    """A place on a curve."""
+
+    at: Any  # its parameter, arm angle and the rate of that along the curve
+    q: Any  # its posture
+
+
 class Passed(NamedTuple):
     """Where a span has come to along its curve."""
 
@@ -94,39 +93,51 @@ class Passed(NamedTuple):
 
 
 @kernel
-def take_turn(P, by, curve, span, passed, x, to):
-    """Let a span reach to where the arm angle turns around before parameter x, if it does.
-
-    `to` holds by how much the arm angle changes until x, and how it goes on from there.
-    """
-    psi, rise = passed
-    change, behind = to
-    if abs(change) > TURNING and change * rise < 0.0 and abs(rise) > TURNING:
-        # Somewhere between the samples before and behind the last one.
-        before = max(sample_before(curve, span[3]) - 1, curve.first)
-        sign = math.copysign(1.0, rise)
-        there, _ = on_curve(P, by, 0, curve, span[3])
-        rises = rate_at(P, by, there) * sign > 0.0
-        ends = (span[3], x) if rises else (max(span[2], curve.rows[before, 0]), span[3])
-        extend(span, span[3], turning_angle(P, by, curve, ends, psi, sign))
-    elif (change if abs(change) > TURNING else rise) * behind < 0.0:
-        sign = math.copysign(1.0, change if abs(change) > TURNING else rise)
-        extend(span, x, turning_angle(P, by, curve, (span[3], x), psi, sign))
+def take_turning(P, by, span, ends, rates, psi, sign):
+    """Let a span reach to the farthest arm angle, in the direction of a sign, between two postures; psi is close by."""
+    turning = turning_between(P, by, ends[0], ends[1], sign, ARM_ANGLE, rates)
+    turning = inside_of_blur(P, by, turning, BLURRED)
+    extend(span, span[3], psi + short_way(angle_at(P, by, turning) - psi))
 
 
 @kernel
-def take_back(P, by, curve, span, passed, a, b):
-    """Let a span reach to where the arm angle goes back between two places, if it does; where it has come."""
+def take_turn(P, by, curve, span, passed, here, to):
+    """Let a span reach to where the arm angle turns around on the way from one place to another, if it does.
+
+    Behind the other, which is given with its sign, it goes on to rise or to fall.
+    """
+    psi, rise = passed
+    place_, behind = to
+    rate = here.at[2]
+    rates = rate, place_.at[2]
+    change = short_way(place_.at[1] - psi)
+    if abs(change) > TURNING and change * rise < 0.0 and abs(rise) > TURNING:
+        # Somewhere between the samples before and behind this place.
+        sign = math.copysign(1.0, rise)
+        if rate * sign > 0.0:
+            take_turning(P, by, span, (here.q, place_.q), rates, psi, sign)
+        else:
+            before = max(sample_before(curve, span[3]) - 1, curve.first)
+            q, _ = on_curve(P, by, 0, curve, max(span[2], curve.rows[before, 0]))
+            take_turning(P, by, span, (q, here.q), UNTOLD, psi, sign)
+    elif (change if abs(change) > TURNING else rise) * behind < 0.0:
+        sign = math.copysign(1.0, change if abs(change) > TURNING else rise)
+        take_turning(P, by, span, (here.q, place_.q), rates, psi, sign)
+
+
+@kernel
+def take_back(P, by, curve, span, passed, here, at):
+    """Let a span reach to where the arm angle goes back between two places, if it does; where it has come, twice."""
     for i in range(MOST_BACK):
-        a, _, found = turned_back(P, by, curve, a, b, i > 0)
+        back, q, found = turned_back(P, by, curve, here.at, at, i > 0)
         if not found:
             break
-        x, psi, rate = a
-        change, behind = short_way(psi - passed.psi), math.copysign(1.0, rate)
-        take_turn(P, by, curve, span, passed, x, (change, behind))
-        passed = Passed(passed.psi + change, behind)
-        extend(span, x, passed.psi)
-    return passed
+        psi, behind = passed.psi + short_way(back[1] - passed.psi), math.copysign(1.0, back[2])
+        there = Place(back, q)
+        take_turn(P, by, curve, span, passed, here, (there, behind))
+        passed, here = Passed(psi, behind), there
+        extend(span, back[0], psi)
+    return passed, here
 
 
 @kernel
@@ -161,47 +172,58 @@ def without_short(spans, first, n):
 
 
 @kernel
-def spans_of_run(P, by, rows, runs, index, room, n):
-    """Append the spans of a run; the number of spans. `room` is for spans, what samples tell, and room for changes."""
+def pass_between(P, by, curve, i, passed, room, n):
+    """Go on with n spans from sample i - 1 of a run to the next one: where they have come to, and their number.
+
+    `room` is for spans, what samples tell, and room for changes.
+    """
     spans, told, changes = room
+    rows = curve.rows
+    psi, rise = passed
+    x = rows[i - 1, 0]
+    here = Place((x, told[i - 1, TOLD_PSI], told[i - 1, TOLD_RATE]), load_sample(rows[i - 1]))
+    for c in range(find_changes(P, by, curve, i, told, changes)):
+        inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
+        outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
+        there = posture_beside(P, by, curve, changes[c], inside)
+        to = Place((inside, angle_at(P, by, there), rate_at(P, by, there)), there)
+        passed, here = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), here, to.at)
+        rise = math.copysign(1.0, to.at[2])
+        take_turn(P, by, curve, spans[n - 1], passed, here, (to, rise))
+        psi = passed.psi + short_way(to.at[1] - passed.psi)
+        extend(spans[n - 1], inside, psi)
+        there = posture_beside(P, by, curve, changes[c], outside)
+        psi += short_way(angle_at(P, by, there) - psi)
+        branch = int(spans[n - 1, 1]) ^ bit_of(int(changes[c, CHANGE_MIDDLE]))
+        n = open_span(spans, n, spans[n - 1, 0], branch, outside, psi)
+        x, here = outside, Place((outside, psi, to.at[2]), there)
+    to = Place((rows[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]), load_sample(rows[i]))
+    passed, here = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), here, to.at)
+    change = short_way(to.at[1] - passed.psi)
+    # Two samples with one arm angle have its turn between them, if it rises at one of them alone.
+    stays = abs(change) <= TURNING
+    passed = Passed(passed.psi, here.at[2]) if stays else passed
+    behind = math.copysign(1.0, to.at[2]) if stays or i == curve.last - 1 else change
+    take_turn(P, by, curve, spans[n - 1], passed, here, (to, behind))
+    return Passed(passed.psi + change, change), n
+
+
+@kernel
+def spans_of_run(P, by, rows, runs, index, room, n):
+    """Append the spans of a run; the number of spans. `room` is as in `pass_between`."""
+    spans, told, _ = room
     curve = samples_of(rows, runs[index])
     _, first, last = curve
     start = n
-    x = rows[first, 0]
-    branch = int(told[first, TOLD_BRANCH])
-    psi = told[first, TOLD_PSI]
-    n = open_span(spans, n, index, branch, x, psi)
-    last_told = x, psi, told[first, TOLD_RATE]
-    rise = math.copysign(1.0, last_told[2])
+    n = open_span(spans, n, index, told[first, TOLD_BRANCH], rows[first, 0], told[first, TOLD_PSI])
+    passed = Passed(told[first, TOLD_PSI], math.copysign(1.0, told[first, TOLD_RATE]))
     for i in range(first + 1, last):
-        for c in range(find_changes(P, by, curve, i, told, changes)):
-            inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
-            outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
-            there = posture_beside(P, by, curve, changes[c], inside)
-            to = inside, angle_at(P, by, there), rate_at(P, by, there)
-            psi, rise = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), last_told, to)
-            change, behind = short_way(to[1] - psi), math.copysign(1.0, to[2])
-            take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), inside, (change, behind))
-            psi += change
-            extend(spans[n - 1], inside, psi)
-            there = posture_beside(P, by, curve, changes[c], outside)
-            psi += short_way(angle_at(P, by, there) - psi)
-            branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
-            n = open_span(spans, n, index, branch, outside, psi)
-            x = outside
-            rise, last_told = behind, (outside, psi, to[2])
-        to = rows[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]
-        psi, rise = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), last_told, to)
-        change = short_way(to[1] - psi)
-        # Two samples with one arm angle have its turn between them, if it rises at one of them alone.
-        stays = abs(change) <= TURNING
-        rise = last_told[2] if stays else rise
-        behind = math.copysign(1.0, to[2]) if stays or i == last - 1 else change
-        take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), rows[i, 0], (change, behind))
-        rise, last_told = change, to
-        psi += change
-        x = rows[i, 0]
-        extend(spans[n - 1], x, psi)
+        if goes_on(P, curve, i, told, passed.rise):
+            change = short_way(told[i, TOLD_PSI] - passed.psi)
+            passed = Passed(passed.psi + change, change)
+        else:
+            passed, n = pass_between(P, by, curve, i, passed, room, n)
+        extend(spans[n - 1], rows[i, 0], passed.psi)
     return without_short(spans, start, n)
 
 

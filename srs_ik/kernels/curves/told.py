@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, one_of, root, scatter
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
@@ -13,12 +13,13 @@ from srs_ik.kernels.algebra.vectors import along, cross, dot, load3, rotate, sub
 from srs_ik.kernels.chain.eight import branches_of, sines_of_eight, take_ways
 from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.chain.newton_eight import curve_step
-from srs_ik.kernels.curves.follow import between, tangent_at
+from srs_ik.kernels.chain.newton_eight import curve_ways, reduced
+from srs_ik.kernels.curves.follow import between, correct, tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE, between_eight, load_sample, on_cubic, on_way, one_of_seven, short_ways
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
 from srs_ik.kernels.limb.branches import sine_of
+from srs_ik.kernels.limb.goal import NO_SEED
 
 TOLD = 9
 TOLD_BRANCH, TOLD_PSI, TOLD_RATE, TOLD_MIDDLES = range(4)
@@ -34,10 +35,13 @@ ARM_ANGLE = -1
 
 ROUNDS = 16
 TURNED = 1e-12
-"""Rounds of eight looks, at most, and how well an arm angle is to be foretold, rad."""
+"""Rounds of eight looks, at most, and how well an angle is to be known where it turns, rad."""
 
 CLOSER = 7.0 / 24.0
 """The looks of a round are spread over this part of what is between two of the round before."""
+
+UNTOLD = (0.0, 0.0)
+"""Rates at two postures that are not known."""
 
 SHORTEST = 1e-6
 """On a way between samples that is shorter than this, rad, no arm angle turns around twice."""
@@ -119,7 +123,7 @@ def tell_samples(P, by, curve, told):
         k = min(i, rows.shape[0] - 8)
         q = take_ways(row(rows, k), 1, SAMPLE)
         eight = row(told, k)
-        _, way, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
+        way = curve_ways(reduced(P, turns_of(q), R, p))
         psi, rate = arm_angles(P, place_, q, way)
         sines = sines_of_eight(P, q)
         scatter(eight, TOLD_BRANCH, TOLD, branches_of(sines))
@@ -155,6 +159,19 @@ def turns_back(a, b):
 
 
 @kernel
+def goes_past(told, i, psi, blur):
+    """Whether the arm angle goes from sample i - 1 to i without turning, past none that is wanted; how close it comes.
+
+    Most samples are far from it: what is asked of all of them has to be quick.
+    """
+    ahead_a = short_way(told[i - 1, TOLD_PSI] - psi)
+    ahead_b = ahead_a + short_way(told[i, TOLD_PSI] - told[i - 1, TOLD_PSI])
+    rate, nearest = told[i - 1, TOLD_RATE], min(abs(ahead_a), abs(ahead_b))
+    on = rate * told[i, TOLD_RATE] > 0.0 and rate * (ahead_b - ahead_a) >= 0.0
+    return on and ahead_a * ahead_b > 0.0 and nearest > blur, nearest
+
+
+@kernel
 def lowest_of_eight(heights, met):
     """The lowest of eight heights that are met (bits); -1 where none is."""
     best = -1
@@ -165,28 +182,48 @@ def lowest_of_eight(heights, met):
 
 
 @kernel
-def turning_between(P, by, a, b, rise, joint):
+def foretold_turn(height, rates):
+    """Where on the way between two postures an angle turns, as a share of it, and how low, as a cubic foretells it.
+
+    It is as high as given at the second, and changes on the way at the first and at the last by the rates. Last comes
+    whether it turns.
+    """
+    if not rates[0] < 0.0 < rates[1]:
+        return 0.0, math.inf, False
+    share, lowest = lowest_of_cubic((0.0, 0.0, rates[0]), (1.0, height, rates[1]), 0.0)
+    return share, lowest, True
+
+
+@kernel
+def turning_between(P, by, a, b, rise, joint, rates):
     """The posture of a curve, from one to another close by, whose arm angle or joint is farthest to one side.
 
     Eight postures at a time tell the angle and its rate; the cubic around the farthest one foretells the turn, and
-    tells where to look next. `rise` is the sign of the side (joint `ARM_ANGLE`: the arm angle).
+    tells where to look next. `rise` is the sign of the side (joint `ARM_ANGLE`: the arm angle), `rates` are those of
+    the angle along the curve at both, if they are known.
     """
     chord = difference(a, b)
     length2 = dot7(chord, chord)
-    start = angle_at(P, by, a) if joint == ARM_ANGLE else a[joint]
-    share, height = 0.0, 0.0
+    length = math.sqrt(length2)
+    start, end = (angle_at(P, by, a), angle_at(P, by, b)) if joint == ARM_ANGLE else (a[joint], b[joint])
+    side = -rise * length
+    share, height, turns = foretold_turn(-rise * short_way(end - start), (side * rates[0], side * rates[1]))
     low, high = 0.0, 1.0
-    begin, apart = 0.0, 1.0 / 7.0
-    # A cubic's error is of the fourth order.
-    less = 1.0
+    apart = CLOSER / 7.0 if turns else 1.0 / 7.0
+    begin = min(max(share - 3.5 * apart, 0.0), 1.0 - 7.0 * apart)
+    # By how much better a round foretells the turn than the one before: a cubic's error is of the fourth order.
+    less = CLOSER**3 / 7.0**3 if turns else 1.0
     steps = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
-    there = on_way(a, chord, apart * steps)
+    there = on_way(a, chord, begin + apart * steps)
+    before = behind = 0.0, a, a
+    foreseen = False
     for _ in range(ROUNDS):
         q, t, met = between_eight(P, by, there, chord)
-        angles, rates = arm_angles(P, by.target.place, q, t) if joint == ARM_ANGLE else (q[joint], t[joint])
+        angles, speeds = arm_angles(P, by.target.place, q, t) if joint == ARM_ANGLE else (q[joint], t[joint])
         heights = -rise * short_ways(angles - start)
-        slopes = -rise * rates * length2 / dot7(t, chord)
+        slopes = -rise * speeds * length2 / dot7(t, chord)
         best = lowest_of_eight(heights, met)
+        foreseen = False
         if best < 0:
             break
         other = best + 1 if one_of(slopes, best) < 0.0 else best - 1
@@ -201,16 +238,18 @@ def turning_between(P, by, a, b, rise, joint):
             if (met >> i) & (met >> j) & 1 == 1 and fall < 0.0 < rises:
                 first, last = (low, one_of(heights, i), fall), (high, one_of(heights, j), rises)
                 share, foretold = lowest_of_cubic(first, last, 0.0)
-                change, height = abs(foretold - height), foretold
-                if change * less < TURNED:
-                    break
-                less = CLOSER**4 / 7.0**4
-                apart = CLOSER / 7.0 * (high - low)
-                begin = min(max(share - 3.5 * apart, low), high - 7.0 * apart)
+                error, height = less * abs(foretold - height), foretold
                 before = low, one_of_seven(q, i), one_of_seven(t, i)
                 behind = high, one_of_seven(q, j), one_of_seven(t, j)
+                foreseen = min(abs(sine_of(P, before[1], 2)), abs(sine_of(P, behind[1], 2))) > TURNING_WRIST
+                # The angle is flat where it turns: it is off by the square of what the turn is.
+                if 8.0 * error * error < TURNED * apart * (rises - fall):
+                    break
+                less = CLOSER**3 / 7.0**3
+                apart = CLOSER / 7.0 * (high - low)
+                begin = min(max(share - 3.5 * apart, low), high - 7.0 * apart)
                 there = on_way(a, chord, begin + apart * steps)
-                if min(abs(sine_of(P, before[1], 2)), abs(sine_of(P, behind[1], 2))) > TURNING_WRIST:
+                if foreseen:
                     there = on_cubic(before, behind, chord, begin + apart * steps)
                 continue
         share, height = begin + apart * best, one_of(heights, best)
@@ -221,5 +260,9 @@ def turning_between(P, by, a, b, rise, joint):
     if share == 0.0:
         return a
     # Postures in step are off by what their singularities make of rounding.
-    turning, is_there = between(P, by, a, b, share)
+    if foreseen:
+        d = along7(NO_SEED, 1.0 / length, chord)
+        turning, is_there = correct(P, by, on_cubic(before, behind, chord, share), d, dot7(d, a) + share * length)
+    else:
+        turning, is_there = between(P, by, a, b, share)
     return turning if is_there else a

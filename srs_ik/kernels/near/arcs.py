@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.eight import take_eight
-from srs_ik.kernels.chain.newton_eight import curve_step
+from srs_ik.kernels.chain.newton_eight import curve_ways, reduced
 from srs_ik.kernels.curves.follow import CURVE
 from srs_ik.kernels.curves.in_step import SAMPLE, one_of_seven
 from srs_ik.kernels.curves.marks import MARK, MARK_FIRST, MARK_LAST, MARK_NEXT, follow_marks, put_mark
@@ -150,7 +150,7 @@ def put_marks_of_arcs(P, target, points, count, marks):
     for into in range(2):
         for first in range(0, 8 * count, 8):
             q = take_eight(row(points, first), POINT)
-            _, t, _, _ = curve_step(P, turns_of(q), target.R, target.p, q, 0.0 * q[0])
+            t = curve_ways(reduced(P, turns_of(q), target.R, target.p))
             for i in range(8):
                 way = one_of_seven(t, i)
                 rises = dot7(way, rates_of(points[first + i])) > 0.0

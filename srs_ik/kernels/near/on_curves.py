@@ -20,6 +20,7 @@ from srs_ik.kernels.curves.changes import (
     MOST_BACK,
     MOST_CHANGES,
     find_changes,
+    goes_on,
     posture_beside,
     turned_back,
 )
@@ -36,6 +37,7 @@ from srs_ik.kernels.curves.told import (
     TOLD_PSI,
     TOLD_RATE,
     angle_at,
+    goes_past,
     rate_along,
     rate_at,
     tell_one,
@@ -153,8 +155,8 @@ def told_runs(P, by, samples, n_samples, runs, extent):
         runs[index, 3] = n
         branch = int(told[curve.first, TOLD_BRANCH])
         for i in range(curve.first, curve.last):
-            n_changes = find_changes(P, by, curve, i, told, changes) if i > curve.first else 0
-            for c in range(n_changes):
+            on = i == curve.first or goes_on(P, curve, i, told, told[i - 1, TOLD_RATE])
+            for c in range(0 if on else find_changes(P, by, curve, i, told, changes)):
                 x = changes[c, CHANGE_AT]
                 inside, outside = max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0])
                 q = posture_beside(P, by, curve, changes[c], inside)
@@ -162,7 +164,7 @@ def told_runs(P, by, samples, n_samples, runs, extent):
                 n = put_beside(P, by, inside, q, branch, n, out)
                 branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
                 n = put_beside(P, by, outside, posture_beside(P, by, curve, changes[c], outside), branch, n, out)
-            if i > curve.first:
+            if not on:
                 n = put_back(P, by, curve, (samples[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]), n, out)
             if n < room:
                 put_sample(out.rows, n, samples[i, 0], load_sample(samples[i]))
@@ -314,7 +316,7 @@ def look_between(P, by, followed, i, psi, goal, out):
         keep_found(P, by, b, next_branch, goal, out)
     last, side = (a, ahead_a), 1.0 if rate_a > 0.0 else -1.0
     for _ in range(turns):
-        turning = turning_between(P, by, a, b, side, ARM_ANGLE)
+        turning = turning_between(P, by, a, b, side, ARM_ANGLE, (rate_a, rate_b))
         turning = inside_of_blur(P, by, turning, BLURRED)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, (last, (turning, ahead)), goal, out)
@@ -335,7 +337,7 @@ def find_at_angle(P, by, followed, psi, wanted, goal, out):
     nearest = math.pi
     for branch in range(8):
         out[branch, ROW_COST] = 2.0 * NO_BRANCH
-    runs, told = followed.runs, followed.told
+    runs, told, blur = followed.runs, followed.told, blur_of(by)
     for index in range(runs.shape[0]):
         first = int(runs[index, 3])
         last = int(runs[index, 4])
@@ -344,7 +346,8 @@ def find_at_angle(P, by, followed, psi, wanted, goal, out):
             keep_found(P, by, q, int(told[first, TOLD_BRANCH]), goal, out)
         for i in range(first + 1, last):
             if wanted < 0 or wanted in (int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])):
-                nearest = min(nearest, look_between(P, by, followed, i, psi, goal, out))
+                past, ahead = goes_past(told, i, psi, blur)
+                nearest = min(nearest, ahead if past else look_between(P, by, followed, i, psi, goal, out))
     return nearest
 
 
