@@ -160,6 +160,8 @@ def build(folder: Path, entries: tuple[Entry, ...], kinds: Targets, machine: str
     """
     linking.c_compiler()
     begin = time.monotonic()
+    # Before kernels are read: what is edited meanwhile is out of date.
+    stamped = stamps(sorted({entry.room for entry in entries}))
     objects = compiled(list(filter(None, parts(entries))), machine, kinds)
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
@@ -169,8 +171,7 @@ def build(folder: Path, entries: tuple[Entry, ...], kinds: Targets, machine: str
             paths[-1].write_bytes(content)
         (place / f"{glue.NAME}.h").write_text(glue.header(entries))
         (place / "library.c").write_text(glue.library(entries, kinds))
-        rooms_of = sorted({entry.room for entry in entries})
-        (place / "extension.c").write_text(glue.extension(entries, kinds, stamps(rooms_of)))
+        (place / "extension.c").write_text(glue.extension(entries, kinds, stamped))
         shutil.copy(Path(__file__).with_name("runtime.c"), place)
         made = linking.link(place, glue.NAME, paths)
         folder.mkdir(parents=True, exist_ok=True)
