@@ -26,6 +26,7 @@ from srs_ik.kernels.collision.seen import World, frames_of_either, frames_of_elb
 from srs_ik.kernels.collision.shaped import Room, free_by_shapes
 from srs_ik.kernels.collision.shapes import NORMALS, Along, Shapes
 from srs_ik.kernels.exact.farthest import keep_branch
+from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
@@ -38,7 +39,6 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place, target_of
 from srs_ik.kernels.pose.any_bend import best_of
-from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.solve import best_posture, own_goal
 
 NO_COUPLE = -1

@@ -9,6 +9,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, MOST_INTERVALS, OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
@@ -23,7 +24,7 @@ from srs_ik.kernels.near.led import lead_row
 from srs_ik.kernels.near.on_curves import no_curves
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.any_bend import best_of
-from srs_ik.kernels.pose.intervals import all_intervals, exact_intervals
+from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.self_motion import self_motion_rows
 from srs_ik.kernels.pose.solve import all_branches, own, own_goal, solve_row, solve_row_at
 

@@ -20,7 +20,7 @@ from srs_ik.kernels.exact.gaps import ROUNDING, can_be
 from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
-from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.limits import is_inside, tighten
@@ -294,4 +294,39 @@ def intervals_of_bends(family, place_, respect, out, n):
     copy(row(out, 0), row(both, 0), 3 * n)
     n = stretch((P, eased), place_, span, both[:n], out)
     keep(boxes)
+    return n
+
+
+@kernel
+def exact_intervals(family, target, respect, out):
+    """Feasible intervals of one pose in closed form; none where the pose is out of reach."""
+    place_ = target.place
+    if abs(place_[5]) >= SOLVED:
+        return 0
+    n = find_intervals(row(family, at.LIMITED if respect else at.FREE), place_, -1, out)
+    if is_almost_flat(place_):
+        return intervals_of_bends(family, place_, respect, out, n)
+    if n == 0 and respect:
+        # A pose whose postures all lie on limits leaves room by rounding alone.
+        boxes = np.empty((1, at.SIZE))
+        eased = row(boxes, 0)
+        ease(row(family, at.LOOSE), eased)
+        n = find_intervals(eased, place_, -1, out)
+        keep(boxes)
+    return n
+
+
+@kernel
+def intervals_around(family, place_, found, out):
+    """Write the one interval around a posture (branch, arm angle) that limits leave alone; one row."""
+    branch, psi = found
+    n = write_interval(out, 0, 0, branch, psi, psi)
+    if is_almost_flat(place_):
+        P = row(family, at.LOOSE)
+        one, boxes = np.empty((1, 3)), np.empty((1, at.SIZE))
+        eased = row(boxes, 0)
+        ease(P, eased)
+        copy(row(out, 0), row(one, 0), 3)
+        n = stretch((P, eased), place_, span_of_bends(P, place_), one, out)
+        keep(boxes)
     return n

@@ -39,6 +39,7 @@ from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
     may_meet_limits,
     may_predict_limits,
+    may_turn_at_limit,
     widen,
     widest,
 )
@@ -225,7 +226,7 @@ def shifted_intervals(P, view, out):
 
     Their number, or -1 where limits may leave more of them, or fewer, on the true chain.
     """
-    if is_elbow_unsure(P, view):
+    if is_elbow_unsure(P, view) or may_turn_at_limit(P, view):
         return -1
     found = np.empty((8 * MAX_PIECES, 3))
     ends = np.empty((MAX_ENDS + 8, END))

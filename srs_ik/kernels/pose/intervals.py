@@ -7,12 +7,13 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.exact.flat import ease, intervals_of_bends, is_almost_flat
+from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.exact.flat import exact_intervals, intervals_around
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, SIZE
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SIZE
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.limits import tighten
@@ -21,28 +22,11 @@ from srs_ik.kernels.near.intervals import intervals_through, true_intervals, wit
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.near.second_attempts import may_be_on_line
+from srs_ik.kernels.pose.any_bend import hides_some
+from srs_ik.kernels.pose.search import search_exact
 
 WIDER = 1e-9
 """Limits that are so much farther out, rad, tell postures that rounding hides."""
-
-
-@kernel
-def exact_intervals(family, target, respect, out):
-    """Feasible intervals of one pose in closed form; none where the pose is out of reach."""
-    place_ = target.place
-    if abs(place_[5]) >= SOLVED:
-        return 0
-    n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)
-    if is_almost_flat(place_):
-        return intervals_of_bends(family, place_, respect, out, n)
-    if n == 0 and respect:
-        # A pose whose postures all lie on limits leaves room by rounding alone.
-        boxes = np.empty((1, SIZE))
-        eased = row(boxes, 0)
-        ease(row(family, LOOSE), eased)
-        n = find_intervals(eased, place_, -1, out)
-        keep(boxes)
-    return n
 
 
 @kernel
@@ -64,11 +48,32 @@ def may_be_hidden(F, target, J, A):
 
 
 @kernel
+def interval_alone(family, target, out):
+    """The interval of the one posture of a closed limb that rounding leaves between its limits; the number of rows."""
+    P, place_ = row(family, LIMITED), target.place
+    if abs(place_[5]) >= SOLVED:
+        return 0
+    if not hides_some(P, place_):
+        boxes = np.empty((1, SIZE))
+        box = row(boxes, 0)
+        tighten(P, NO_SEED, math.inf, WIDER, box)
+        n = find_intervals(box, place_, -1, out)
+        keep(boxes)
+        if n == 0:
+            return 0
+    q, branch, lowest = search_exact(family, target, -1, Goal(False, NO_SEED, True))
+    if lowest >= OUTSIDE:
+        return 0
+    return intervals_around(family, place_, (branch, arm_angle(P, q, place_[0], place_[1])), out)
+
+
+@kernel
 def all_intervals(family, target, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     P, F = row(family, LIMITED), row(family, LIMITED if respect else FREE)
     if P[IS_NEAR] == 0.0:
-        return exact_intervals(family, target, respect, out)
+        n = exact_intervals(family, target, respect, out)
+        return n if n > 0 or not respect else interval_alone(family, target, out)
     n = predicted_intervals(F, target, out, J, A)
     if n < 0:
         n = true_intervals(P, target, respect, out, J, A)
