@@ -94,7 +94,7 @@ def free_range(
         R, p, verdicts[i] = read_pose(row(poses, i))
         counts[i] = 0
         if verdicts[i] == GOOD_POSE:
-            n = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), respect, found)
+            n, _ = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), respect, found)
             if n > 0:
                 target = Target(R, p, place(P, R, p))
                 counts[i] = left_of(P, target, found[:n], world, slack, rows[used : used + MOST_INTERVALS])
@@ -241,7 +241,7 @@ def solve_range(
             if lowest < OUTSIDE and is_within(limits, limited, q) and is_clear(P, target, q, best, world, slack):
                 measure_row(P, target, q, best, lowest, respect, row(out, i))
                 continue
-            n = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), limited, found)
+            n, _ = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), limited, found)
             n = left_of(P, target, found[:n], world, slack, left) if n > 0 else 0
             n = keep_branch(left, n, branch) if branch >= 0 else n
             if n > 0:

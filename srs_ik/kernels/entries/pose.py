@@ -151,7 +151,7 @@ def solve_intervals(family, T, respect, out):
             n = all_intervals(family, target, respect, J, A, found)
             best_of_true_intervals(P, target, respect, found[:n], out, J, A)
         return n
-    n = exact_intervals(family, target, respect, found)
+    n, _ = exact_intervals(family, target, respect, found)
     for i in range(n):
         q, b, lowest = best_of(family, target, found[i : i + 1], -1, Goal(False, NO_SEED, respect))
         measure_row(P, target, q, b, lowest, respect, row(out, i))

@@ -183,7 +183,7 @@ def best_of(family, target, found, branch, goal):
 def best_in_intervals(family, target, wanted, goal, best):
     """The best posture as known so far, or a better one of a branch (-1: of all), in the intervals of a pose."""
     found = np.empty((8 * MAX_PIECES, 3))
-    n = exact_intervals(family, target, goal.respect, found)
+    n, _ = exact_intervals(family, target, goal.respect, found)
     for i in range(n):
         if wanted < 0 or int(found[i, 0]) == wanted:
             best = best_in_interval(family, target, found[i : i + 1], wanted, goal, best)

@@ -8,10 +8,9 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.exact.flat import exact_intervals, intervals_around
-from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.exact.flat import HIDING, exact_intervals, intervals_around
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
+from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SIZE
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
@@ -22,11 +21,7 @@ from srs_ik.kernels.near.intervals import intervals_through, true_intervals, wit
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.near.second_attempts import may_be_on_line
-from srs_ik.kernels.pose.any_bend import hides_some
 from srs_ik.kernels.pose.search import search_exact
-
-WIDER = 1e-9
-"""Limits that are so much farther out, rad, tell postures that rounding hides."""
 
 
 @kernel
@@ -41,7 +36,7 @@ def may_be_hidden(F, target, J, A):
         return True
     boxes, found = np.empty((1, SIZE)), np.empty((8 * MAX_PIECES, 3))
     box = row(boxes, 0)
-    tighten(F, NO_SEED, math.inf, WIDER, box)
+    tighten(F, NO_SEED, math.inf, HIDING, box)
     hidden = predicted_intervals(box, target, found, J, A) != 0
     keep(boxes)
     return hidden
@@ -50,21 +45,11 @@ def may_be_hidden(F, target, J, A):
 @kernel
 def interval_alone(family, target, out):
     """The interval of the one posture of a closed limb that rounding leaves between its limits; the number of rows."""
-    P, place_ = row(family, LIMITED), target.place
-    if abs(place_[5]) >= SOLVED:
-        return 0
-    if not hides_some(P, place_):
-        boxes = np.empty((1, SIZE))
-        box = row(boxes, 0)
-        tighten(P, NO_SEED, math.inf, WIDER, box)
-        n = find_intervals(box, place_, -1, out)
-        keep(boxes)
-        if n == 0:
-            return 0
+    place_ = target.place
     q, branch, lowest = search_exact(family, target, -1, Goal(False, NO_SEED, True))
     if lowest >= OUTSIDE:
         return 0
-    return intervals_around(family, place_, (branch, arm_angle(P, q, place_[0], place_[1])), out)
+    return intervals_around(family, place_, (branch, arm_angle(row(family, LIMITED), q, place_[0], place_[1])), out)
 
 
 @kernel
@@ -72,8 +57,8 @@ def all_intervals(family, target, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     P, F = row(family, LIMITED), row(family, LIMITED if respect else FREE)
     if P[IS_NEAR] == 0.0:
-        n = exact_intervals(family, target, respect, out)
-        return n if n > 0 or not respect else interval_alone(family, target, out)
+        n, told = exact_intervals(family, target, respect, out)
+        return n if told else interval_alone(family, target, out)
     n = predicted_intervals(F, target, out, J, A)
     if n < 0:
         n = true_intervals(P, target, respect, out, J, A)
