@@ -53,7 +53,6 @@ NARROW = 4.0 * NOTABLE
 """Ends of intervals are looked for this closely, in steps up to the longest, rad; an interval narrower than the last is
 as good as one arm angle."""
 
-
 HIDING = 1e-9
 """Limits that are so much farther out, rad, tell postures that rounding hides."""
 
@@ -320,7 +319,7 @@ def exact_intervals(family, target, respect, out):
         return n, True
     boxes = np.empty((1, at.SIZE))
     box = row(boxes, 0)
-    tighten(P, NO_SEED, math.inf, HIDING, box)
+    tighten(row(family, at.LOOSE), NO_SEED, math.inf, HIDING, box)
     hidden = find_intervals(box, place_, -1, out) > 0
     if hidden:
         # A pose whose postures all lie on limits leaves room by rounding alone.

@@ -9,6 +9,7 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import HIDING, exact_intervals, intervals_around
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Goal
@@ -17,6 +18,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.near.at_angle import may_reach
+from srs_ik.kernels.near.band import ALMOST_NOTHING, band_of, widen, widest
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals, with_on_line
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import search_true
@@ -36,8 +38,14 @@ def may_be_hidden(F, target, J, A):
         return True
     boxes, found = np.empty((1, SIZE)), np.empty((8 * MAX_PIECES, 3))
     box = row(boxes, 0)
-    tighten(F, NO_SEED, math.inf, HIDING, box)
-    hidden = predicted_intervals(box, target, found, J, A) != 0
+    band = band_of(F, target.place)
+    if widest(band) < ALMOST_NOTHING:
+        # Limits may leave one of both limbs a point where the other has nothing, or points that no sample meets.
+        widen(F, band, 1.0, box)
+        hidden = find_intervals(box, target.place, -1, found) > 0
+    else:
+        tighten(F, NO_SEED, math.inf, HIDING, box)
+        hidden = predicted_intervals(box, target, found, J, A) != 0
     keep(boxes)
     return hidden
 
