@@ -26,6 +26,7 @@ from srs_ik.kernels.collision.seen import World, frames_of_either, frames_of_elb
 from srs_ik.kernels.collision.shaped import Room, free_by_shapes
 from srs_ik.kernels.collision.shapes import NORMALS, Along, Shapes
 from srs_ik.kernels.exact.farthest import keep_branch
+from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
@@ -38,7 +39,6 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place, target_of
 from srs_ik.kernels.pose.any_bend import best_of
-from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.solve import best_posture, own_goal
 
 NO_COUPLE = -1
@@ -94,7 +94,7 @@ def free_range(
         R, p, verdicts[i] = read_pose(row(poses, i))
         counts[i] = 0
         if verdicts[i] == GOOD_POSE:
-            n = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), respect, found)
+            n, _ = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), respect, found)
             if n > 0:
                 target = Target(R, p, place(P, R, p))
                 counts[i] = left_of(P, target, found[:n], world, slack, rows[used : used + MOST_INTERVALS])
@@ -241,7 +241,7 @@ def solve_range(
             if lowest < OUTSIDE and is_within(limits, limited, q) and is_clear(P, target, q, best, world, slack):
                 measure_row(P, target, q, best, lowest, respect, row(out, i))
                 continue
-            n = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), limited, found)
+            n, _ = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), limited, found)
             n = left_of(P, target, found[:n], world, slack, left) if n > 0 else 0
             n = keep_branch(left, n, branch) if branch >= 0 else n
             if n > 0:

@@ -9,6 +9,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, MOST_INTERVALS, OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
@@ -23,7 +24,7 @@ from srs_ik.kernels.near.led import lead_row
 from srs_ik.kernels.near.on_curves import no_curves
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.any_bend import best_of
-from srs_ik.kernels.pose.intervals import all_intervals, exact_intervals
+from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.self_motion import self_motion_rows
 from srs_ik.kernels.pose.solve import all_branches, own, own_goal, solve_row, solve_row_at
 
@@ -150,7 +151,7 @@ def solve_intervals(family, T, respect, out):
             n = all_intervals(family, target, respect, J, A, found)
             best_of_true_intervals(P, target, respect, found[:n], out, J, A)
         return n
-    n = exact_intervals(family, target, respect, found)
+    n, _ = exact_intervals(family, target, respect, found)
     for i in range(n):
         q, b, lowest = best_of(family, target, found[i : i + 1], -1, Goal(False, NO_SEED, respect))
         measure_row(P, target, q, b, lowest, respect, row(out, i))

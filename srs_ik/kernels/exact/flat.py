@@ -20,9 +20,10 @@ from srs_ik.kernels.exact.gaps import ROUNDING, can_be
 from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
-from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.limits import is_inside, tighten
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
 
@@ -51,6 +52,9 @@ LONGEST_STEP = 0.02
 NARROW = 4.0 * NOTABLE
 """Ends of intervals are looked for this closely, in steps up to the longest, rad; an interval narrower than the last is
 as good as one arm angle."""
+
+HIDING = 1e-9
+"""Limits that are so much farther out, rad, tell postures that rounding hides."""
 
 
 @kernel
@@ -294,4 +298,48 @@ def intervals_of_bends(family, place_, respect, out, n):
     copy(row(out, 0), row(both, 0), 3 * n)
     n = stretch((P, eased), place_, span, both[:n], out)
     keep(boxes)
+    return n
+
+
+@kernel
+def exact_intervals(family, target, respect, out):
+    """Feasible intervals of one pose in closed form: how many, and whether they tell all.
+
+    They do not where there are none and rounding may hide a posture.
+    """
+    place_ = target.place
+    if abs(place_[5]) >= SOLVED:
+        return 0, True
+    P = row(family, at.LIMITED if respect else at.FREE)
+    n = find_intervals(P, place_, -1, out)
+    if is_almost_flat(place_):
+        n = intervals_of_bends(family, place_, respect, out, n)
+        return n, n > 0 or not respect
+    if n > 0 or not respect:
+        return n, True
+    boxes = np.empty((1, at.SIZE))
+    box = row(boxes, 0)
+    tighten(row(family, at.LOOSE), NO_SEED, math.inf, HIDING, box)
+    hidden = find_intervals(box, place_, -1, out) > 0
+    if hidden:
+        # A pose whose postures all lie on limits leaves room by rounding alone.
+        ease(row(family, at.LOOSE), box)
+        n = find_intervals(box, place_, -1, out)
+    keep(boxes)
+    return n, n > 0 or not (hidden or may_split(P, place_))
+
+
+@kernel
+def intervals_around(family, place_, found, out):
+    """Write the one interval around a posture (branch, arm angle) that limits leave alone; one row."""
+    branch, psi = found
+    n = write_interval(out, 0, 0, branch, psi, psi)
+    if is_almost_flat(place_):
+        P = row(family, at.LOOSE)
+        one, boxes = np.empty((1, 3)), np.empty((1, at.SIZE))
+        eased = row(boxes, 0)
+        ease(P, eased)
+        copy(row(out, 0), row(one, 0), 3)
+        n = stretch((P, eased), place_, span_of_bends(P, place_), one, out)
+        keep(boxes)
     return n

@@ -141,12 +141,24 @@ def join_touching(out, first, n):
 
 
 @kernel
-def touch(P, motions, signs, lower, upper):
-    """The arm angle at which a shoulder and a wrist solution touch that rounding keeps apart, and whether they do."""
+def touch(P, motions, signs, a, b):
+    """The arm angle at which a shoulder and a wrist solution touch that rounding keeps apart, and whether they do.
+
+    Their pieces a and b end (lower, upper) next to each other; one that is a single arm angle by rounding may be right
+    at its other end.
+    """
+    lower, upper = max(a[0], b[0]), min(a[1], b[1])
     middle = 0.5 * (lower + upper)
-    for i in range(3):
-        psi = middle if i == 0 else (lower if i == 1 else upper)
-        if almost_fits(P, SHOULDER, motions[0], psi, signs[0]) and almost_fits(P, WRIST, motions[1], psi, signs[1]):
+    for i in range(5):
+        psi = middle
+        if i > 0:
+            psi = (lower if i == 1 else upper) if i < 3 else (min(a[0], b[0]) if i == 3 else max(a[1], b[1]))
+        near = abs(psi - middle) <= TOUCHING
+        if (
+            near
+            and almost_fits(P, SHOULDER, motions[0], psi, signs[0])
+            and almost_fits(P, WRIST, motions[1], psi, signs[1])
+        ):
             return psi, True
     return middle, False
 
@@ -171,12 +183,13 @@ def intersect(P, motions, a, b, branch, out, n):
         for i in range(a[1]):
             for j in range(b[1]):
                 for turns in range(-1, 2):
-                    lower = max(of_a[i, 0], of_b[j, 0] + turns * TURN)
-                    upper = min(of_a[i, 1], of_b[j, 1] + turns * TURN)
+                    other = (of_b[j, 0] + turns * TURN, of_b[j, 1] + turns * TURN)
+                    lower = max(of_a[i, 0], other[0])
+                    upper = min(of_a[i, 1], other[1])
                     if lower <= upper:
                         n = write_interval(out, first, n, branch, lower, upper)
                     elif lower <= upper + max(TOUCHING, P[SLACK_JOIN]):
-                        psi, met = touch(P, motions, (a[2], b[2]), lower, upper)
+                        psi, met = touch(P, motions, (a[2], b[2]), (of_a[i, 0], of_a[i, 1]), other)
                         if may_touch(P, lower - upper):
                             # Alone, so that it does not join what two gaps keep apart.
                             spare = ALONE * (lower - upper)

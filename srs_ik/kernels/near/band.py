@@ -114,6 +114,34 @@ def may_meet_limits(P, view, branch, psi):
 
 
 @kernel
+def turns_at(circle, x, value, within):
+    """Whether the product of a vector on a circle with x turns around no farther from a value than within."""
+    c, s = dot(x, circle[1]), dot(x, circle[2])
+    return abs(math.sqrt(c * c + s * s) - abs(value - dot(x, circle[0]))) < within
+
+
+@kernel
+def may_turn_at_limit(P, view):
+    """Whether a joint may turn around so close to a limit that the true chain has an interval more there, or a gap."""
+    within = TOGETHER * widest(view.band)
+    turns = False
+    for i in range(4):
+        side, k = view.sides[i >> 1], at.SHOULDER if i & 1 == 0 else at.WRIST
+        v, _, r = side[1] if i & 1 == 0 else side[2]
+        first = int(P[k + at.FIRST_JOINT])
+        for end in range(2):
+            if P[at.RANGE_KIND + first] != 0.0:
+                x = load3(P, k + at.BOUND_1_LOWER + 3 * end)
+                turns = turns or turns_at(v, x, P[k + at.A2_A3], within)
+            if P[at.RANGE_KIND + first + 1] != 0.0:
+                turns = turns or turns_at(v, load3(P, k + at.A1), P[k + at.BOUND_2_LOWER + end], within)
+            if P[at.RANGE_KIND + first + 2] != 0.0:
+                x = load3(P, k + at.BOUND_3_LOWER + 3 * end)
+                turns = turns or turns_at(r, x, P[k + at.A1_A2], within)
+    return turns
+
+
+@kernel
 def of_joint(P, j, share):
     """The band of joint j, with one over the sine of the bend given."""
     return P[at.BANDS + 2 * j] + P[at.BANDS + 2 * j + 1] * share

@@ -27,7 +27,14 @@ from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_needed, put_ends_of_arcs, without_arcs
-from srs_ik.kernels.near.band import ALMOST_NOTHING, may_meet_limits, may_predict_limits, widen, widest
+from srs_ik.kernels.near.band import (
+    ALMOST_NOTHING,
+    may_meet_limits,
+    may_predict_limits,
+    may_turn_at_limit,
+    widen,
+    widest,
+)
 from srs_ik.kernels.near.ends import (
     BY_CLOSED_FORM,
     CUT,
@@ -202,7 +209,7 @@ def shifted_intervals(P, view, out):
 
     Their number, or -1 where limits may leave more of them, or fewer, on the true chain.
     """
-    if is_elbow_unsure(P, view):
+    if is_elbow_unsure(P, view) or may_turn_at_limit(P, view):
         return -1
     found = np.empty((8 * MAX_PIECES, 3))
     ends = np.empty((MAX_ENDS + 8, END))

@@ -17,7 +17,7 @@ from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, is_almost_flat, span_of_bends
+from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, exact_intervals, is_almost_flat, span_of_bends
 from srs_ik.kernels.exact.free_splits import keep_better, worse_by
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
@@ -27,7 +27,6 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
 from srs_ik.kernels.limb.limits import tighten
-from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.on_limits import meets, put_on_limits
 
 WIDER = 1e-4
@@ -174,7 +173,7 @@ def best_of(family, target, found, branch, goal):
 def best_in_intervals(family, target, wanted, goal, best):
     """The best posture as known so far, or a better one of a branch (-1: of all), in the intervals of a pose."""
     found = np.empty((8 * MAX_PIECES, 3))
-    n = exact_intervals(family, target, goal.respect, found)
+    n, _ = exact_intervals(family, target, goal.respect, found)
     for i in range(n):
         if wanted < 0 or int(found[i, 0]) == wanted:
             best = best_in_interval(family, target, found[i : i + 1], wanted, goal, best)

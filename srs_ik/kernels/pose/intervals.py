@@ -7,42 +7,23 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.exact.flat import ease, intervals_of_bends, is_almost_flat
+from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.exact.flat import HIDING, exact_intervals, intervals_around
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
+from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, SIZE
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SIZE
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.near.at_angle import may_reach
+from srs_ik.kernels.near.band import ALMOST_NOTHING, band_of, widen, widest
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals, with_on_line
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.near.second_attempts import may_be_on_line
-
-WIDER = 1e-9
-"""Limits that are so much farther out, rad, tell postures that rounding hides."""
-
-
-@kernel
-def exact_intervals(family, target, respect, out):
-    """Feasible intervals of one pose in closed form; none where the pose is out of reach."""
-    place_ = target.place
-    if abs(place_[5]) >= SOLVED:
-        return 0
-    n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)
-    if is_almost_flat(place_):
-        return intervals_of_bends(family, place_, respect, out, n)
-    if n == 0 and respect:
-        # A pose whose postures all lie on limits leaves room by rounding alone.
-        boxes = np.empty((1, SIZE))
-        eased = row(boxes, 0)
-        ease(row(family, LOOSE), eased)
-        n = find_intervals(eased, place_, -1, out)
-        keep(boxes)
-    return n
+from srs_ik.kernels.pose.search import search_exact
 
 
 @kernel
@@ -57,10 +38,26 @@ def may_be_hidden(F, target, J, A):
         return True
     boxes, found = np.empty((1, SIZE)), np.empty((8 * MAX_PIECES, 3))
     box = row(boxes, 0)
-    tighten(F, NO_SEED, math.inf, WIDER, box)
-    hidden = predicted_intervals(box, target, found, J, A) != 0
+    band = band_of(F, target.place)
+    if widest(band) < ALMOST_NOTHING:
+        # Limits may leave one of both limbs a point where the other has nothing, or points that no sample meets.
+        widen(F, band, 1.0, box)
+        hidden = find_intervals(box, target.place, -1, found) > 0
+    else:
+        tighten(F, NO_SEED, math.inf, HIDING, box)
+        hidden = predicted_intervals(box, target, found, J, A) != 0
     keep(boxes)
     return hidden
+
+
+@kernel
+def interval_alone(family, target, out):
+    """The interval of the one posture of a closed limb that rounding leaves between its limits; the number of rows."""
+    place_ = target.place
+    q, branch, lowest = search_exact(family, target, -1, Goal(False, NO_SEED, True))
+    if lowest >= OUTSIDE:
+        return 0
+    return intervals_around(family, place_, (branch, arm_angle(row(family, LIMITED), q, place_[0], place_[1])), out)
 
 
 @kernel
@@ -68,7 +65,8 @@ def all_intervals(family, target, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     P, F = row(family, LIMITED), row(family, LIMITED if respect else FREE)
     if P[IS_NEAR] == 0.0:
-        return exact_intervals(family, target, respect, out)
+        n, told = exact_intervals(family, target, respect, out)
+        return n if told else interval_alone(family, target, out)
     n = predicted_intervals(F, target, out, J, A)
     if n < 0:
         n = true_intervals(P, target, respect, out, J, A)

@@ -17,11 +17,11 @@ from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, PHASE, SHOULDER, SIZE, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_on_border, is_unsure
-from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, turned
 from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.surface import has_surface
@@ -200,30 +200,55 @@ def search_near_seed(family, target, branch, goal, J, A):
 
 
 @kernel
+def farthest_exact(family, target, branch, respect):
+    """Posture of a closed limb farthest from its limits over all arm angles: q, branch, cost; see `search_exact`."""
+    place_, goal = target.place, Goal(False, NO_SEED, respect)
+    P, F, loose = row(family, LIMITED), row(family, LIMITED if respect else FREE), row(family, LOOSE)
+    best = with_splits(P, target, branch, goal, farthest_of_all(P, F, place_, branch, respect))
+    if best[2] >= OUTSIDE:
+        best = best_at_any_bend(family, target, branch, goal, best)
+    if best[2] >= OUTSIDE:
+        circles = np.empty((8, 3))
+        whole_circles(circles)
+        other = farthest(loose, place_, circles, branch, respect)
+        if other[2] < best[2]:
+            best = other
+    return best
+
+
+@kernel
+def nearest_exact(family, target, branch, goal):
+    """Posture of a closed limb nearest to a seed over all arm angles: q, branch, cost; see `search_exact`."""
+    place_ = target.place
+    P, loose = row(family, LIMITED), row(family, LOOSE)
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = find_intervals(row(family, LIMITED if goal.respect else FREE), place_, branch, found)
+    best = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
+    best = with_splits(P, target, branch, goal, best)
+    # What rounding hides may be nearer.
+    if best[2] >= OUTSIDE or hides_some(P, place_):
+        best = best_at_any_bend(family, target, branch, goal, best)
+    if best[2] < OUTSIDE:
+        return best
+    if abs(place_[5]) >= SOLVED:
+        whole_circles(found)
+        other = nearest_within(loose, place_, found[:8], branch, goal, 4.0 * NO_BRANCH)
+        return other if other[2] < best[2] else best
+    # What is farthest from the limits is found where it is alone, and so found from every seed.
+    q, own, value = farthest_exact(family, target, branch, goal.respect)
+    if value >= UNMET:
+        return q, own, value
+    q = turned(P, q, True, goal.seed, goal.respect)
+    return q, own, cost(P, q, True, goal.seed, goal.respect)
+
+
+@kernel
 def search_exact(family, target, branch, goal):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
     Rounding may hide a posture from the strict search. So looser tolerances follow in every interval, with the elbow
     almost straight or folded at all the bends that a pose cannot tell from each other.
     """
-    place_ = target.place
-    P, F, loose = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE), row(family, LOOSE)
-    found = np.empty((8 * MAX_PIECES, 3))
     if goal.seeded:
-        n = find_intervals(F, place_, branch, found)
-        best = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
-    else:
-        best = farthest_of_all(P, F, place_, branch, goal.respect)
-    best = with_splits(P, target, branch, goal, best)
-    # What rounding hides may be nearer.
-    if best[2] >= OUTSIDE or (goal.seeded and hides_some(P, place_)):
-        best = best_at_any_bend(family, target, branch, goal, best)
-    if best[2] >= OUTSIDE:
-        whole_circles(found)
-        if goal.seeded:
-            other = nearest_within(loose, place_, found[:8], branch, goal, 4.0 * NO_BRANCH)
-        else:
-            other = farthest(loose, place_, found[:8], branch, goal.respect)
-        if other[2] < best[2]:
-            best = other
-    return best
+        return nearest_exact(family, target, branch, goal)
+    return farthest_exact(family, target, branch, goal.respect)
