@@ -7,11 +7,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.chain.kinematics import pose_error
+from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.exact.flat import HIDING, exact_intervals, intervals_around
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SIZE
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
@@ -53,11 +54,13 @@ def may_be_hidden(F, target, J, A):
 @kernel
 def interval_alone(family, target, out):
     """The interval of the one posture of a closed limb that rounding leaves between its limits; the number of rows."""
-    place_ = target.place
-    q, branch, lowest = search_exact(family, target, -1, Goal(False, NO_SEED, True))
-    if lowest >= OUTSIDE:
+    P = row(family, LIMITED)
+    q, branch, _ = search_exact(family, target, -1, Goal(False, NO_SEED, True))
+    # Put on its limits, as answers are.
+    q = clipped(P, q)
+    if max(*pose_error(P, q, target.R, target.p)) >= SOLVED:
         return 0
-    return intervals_around(family, place_, (branch, arm_angle(row(family, LIMITED), q, place_[0], place_[1])), out)
+    return intervals_around(family, target.place, (branch, arm_angle(P, q, target.place[0], target.place[1])), out)
 
 
 @kernel
