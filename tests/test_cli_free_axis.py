@@ -71,14 +71,12 @@ def test_wrong_input_is_one_line(words, said):
 
 def test_a_free_roll_in_a_scene_is_that_of_python(tmp_path):
     file = tmp_path / "scene.json"
-    # Where the elbow of the posture nearest to the seed would be.
-    elbow = srs_ik.load("iiwa14").joint_frames([float(x) for x in Q])[4, :3, 3]
-    file.write_text(
-        json.dumps({"objects": [{"name": "ball", "sphere": 0.1, "xyz": [elbow[0], elbow[1] + 0.1, elbow[2]]}]})
-    )
     arm = srs_ik.load("iiwa14")
     T = arm.forward_kinematics([float(x) for x in Q])
     asked = ("solve", "iiwa14", "--q", *Q, "--free-axis", "1", "0", "0")
+    # Where the elbow is without a scene.
+    x, y, z = arm.joint_frames(answer(*asked)["q"])[4, :3, 3]
+    file.write_text(json.dumps({"objects": [{"name": "ball", "sphere": 0.1, "xyz": [x, y + 0.1, z]}]}))
     found = answer(*asked, "--scene", str(file), "--margin", "0.005")
     wanted = arm.solve(T, scene=srs_ik.Scene.from_file(file), margin=0.005, free_axis=[1, 0, 0])
     assert found["status"] == "OK"

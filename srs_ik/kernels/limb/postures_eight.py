@@ -147,8 +147,18 @@ def farthest_turn(P, joint, q):
 
 
 @kernel
+def part_cost(costs, outside, respect):
+    """`goal.margin_part` of three joints, eight times in step, from minus their margins and their violations."""
+    cost = larger(larger(costs[0], costs[1]), costs[2])
+    if not respect:
+        return cost
+    beyond = larger(larger(outside[0], outside[1]), outside[2])
+    return where(beyond > 0.0, OUTSIDE + beyond, cost)
+
+
+@kernel
 def farthest_branches(P, place_, psi, respect):
-    """`eight_branches` in the turns farthest from the limits; whether all are sure, and their costs."""
+    """`eight_branches` in the turns farthest from the limits; whether all are sure; costs of shoulder, elbow, wrist."""
     q, sure = eight_branches(P, place_, psi)
     a, cost_a, out_a = farthest_turn(P, 0, q[0])
     b, cost_b, out_b = farthest_turn(P, 1, q[1])
@@ -157,28 +167,36 @@ def farthest_branches(P, place_, psi, respect):
     e, cost_e, out_e = farthest_turn(P, 4, q[4])
     f, cost_f, out_f = farthest_turn(P, 5, q[5])
     g, cost_g, out_g = farthest_turn(P, 6, q[6])
-    cost = larger(larger(larger(cost_a, cost_b), larger(cost_c, cost_d)), larger(larger(cost_e, cost_f), cost_g))
-    if respect:
-        outside = larger(larger(larger(out_a, out_b), larger(out_c, out_d)), larger(larger(out_e, out_f), out_g))
-        cost = where(outside > 0.0, OUTSIDE + outside, cost)
-    return (a, b, c, d, e, f, g), sure, cost
+    shoulder = part_cost((cost_a, cost_b, cost_c), (out_a, out_b, out_c), respect)
+    elbow = part_cost((cost_d, cost_d, cost_d), (out_d, out_d, out_d), respect)
+    wrist = part_cost((cost_e, cost_f, cost_g), (out_e, out_f, out_g), respect)
+    return (a, b, c, d, e, f, g), sure, (shoulder, elbow, wrist)
+
+
+@kernel
+def join_parts(parts):
+    """The costs of whole postures."""
+    return larger(larger(parts[0], parts[1]), parts[2])
 
 
 @kernel
 def farthest_branch(P, place_, psi, branch, respect):
     """The posture at an arm angle that is farthest from the limits, in a branch (-1: any): q, branch, cost.
 
-    The branch is -1 where not all are sure.
+    On each side of the elbow it has the better shoulder and the better wrist, also where these do not decide. The
+    branch is -1 where not all are sure.
     """
-    q, sure, costs = farthest_branches(P, place_, psi, respect)
+    q, sure, parts = farthest_branches(P, place_, psi, respect)
     if not sure:
         return NO_SEED, -1, 0.0
-    best = max(branch, 0)
-    lowest = one_of(costs, best)
-    if branch < 0:
-        for i in range(1, 8):
-            if one_of(costs, i) < lowest:
-                best, lowest = i, one_of(costs, i)
+    shoulder, _, wrist = parts
+    costs = join_parts(parts)
+    best, lowest = branch, math.inf
+    for first in range(0, 8 if branch < 0 else 0, 4):
+        here = first + (2 if one_of(shoulder, first + 2) < one_of(shoulder, first) else 0)
+        here += 1 if one_of(wrist, first + 1) < one_of(wrist, first) else 0
+        if one_of(costs, here) < lowest:
+            best, lowest = here, one_of(costs, here)
     a, b, c, d, e, f, g = q
     posture = (
         one_of(a, best),
@@ -189,4 +207,4 @@ def farthest_branch(P, place_, psi, branch, respect):
         one_of(f, best),
         one_of(g, best),
     )
-    return posture, best, lowest
+    return posture, best, one_of(costs, best)

@@ -22,12 +22,13 @@ from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, PHASE, SHOULDER, SIZE, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, turned
-from srs_ik.kernels.limb.in_line import may_line_up
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_line_up, toward_of
 from srs_ik.kernels.limb.limits import tighten
+from srs_ik.kernels.limb.splits import nearest_split
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.at_angle import is_crowded, may_be_unsure_within
 from srs_ik.kernels.near.band import is_well_bent
-from srs_ik.kernels.near.many_singular import nearest_among_splits
+from srs_ik.kernels.near.many_singular import nearest_among_splits, try_from
 from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
 
 HARDLY_FARTHER = 1e-4
@@ -133,6 +134,13 @@ def going_on_in_branch(family, target, branch, goal, found, J, A):
         q, value = nearest.settle_inside(box, target, goal.seed, within, J, A)
         q, _, value = going_on(box, target, within, (q, branch, value) if value < found[2] else found, J, A)
         found = (q, branch, value)
+        if is_in_line(box, WRIST, q[5], NEARLY_IN_LINE):
+            # Along its split, the nearest posture may be behind limits.
+            toward = toward_of(box, WRIST, q[5])
+            q5, q7 = nearest_split(box, WRIST, 4, toward * q[4] + q[6], toward, goal.seed[4], goal.seed[6])
+            start = (q[0], q[1], q[2], q[3], q5, q[5], q7)
+            q, _, value = try_from(box, start, target, within, found, (J, A))
+            found = (q, branch, value)
     keep(boxes)
     return found
 

@@ -25,7 +25,7 @@ from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.postures_eight import farthest_branches
+from srs_ik.kernels.limb.postures_eight import farthest_branches, join_parts
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
@@ -169,10 +169,10 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
 @kernel
 def put_branches(P, place_, psi, respect, out, first):
     """The angles of an exact limb's branches at an arm angle, and their costs, into rows of `out` from `first` on."""
-    q, sure, costs = farthest_branches(P, place_, psi, respect)
+    q, sure, parts = farthest_branches(P, place_, psi, respect)
     if sure:
         put_eight(row(out, first), at.ROW, ALL, q)
-        scatter(row(out, first), at.ROW_COST, at.ROW, costs)
+        scatter(row(out, first), at.ROW_COST, at.ROW, join_parts(parts))
         return
     for elbow in range(2):
         elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
