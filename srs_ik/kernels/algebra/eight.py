@@ -5,6 +5,9 @@ from __future__ import annotations
 from srs_ik.kernels.algebra.lanes import where
 from srs_ik.kernels.jit import kernel
 
+ALL = 0b11111111
+"""Eight truths as bits, the first the lowest."""
+
 
 @kernel
 def larger(a, b):

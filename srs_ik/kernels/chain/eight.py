@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, one_of, root, scatter, where
 from srs_ik.kernels.algebra.pointers import row
@@ -9,12 +10,7 @@ from srs_ik.kernels.algebra.vectors import dot, sub
 from srs_ik.kernels.chain.kinematics import tip_frame, turn_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
-
-ALL = 0b11111111
-BEYOND_STRAIGHT = 0b11110000
-BEYOND_SHOULDER = 0b11001100
-BEYOND_WRIST = 0b10101010
-"""The branches, as the bits of their numbers, with q4, q2 and q6 below their phases."""
+from srs_ik.kernels.limb.postures_eight import BEYOND_SHOULDER, BEYOND_STRAIGHT, BEYOND_WRIST
 
 
 @kernel

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import larger
+from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, where
@@ -85,7 +85,7 @@ def to_limits(P, q, psi, way, target, steps):
         last = size
         short = LAST_STEP
         met = as_bits(settled & right)
-        if as_bits(settled) == newton_eight.ALL:
+        if as_bits(settled) == ALL:
             break
         turns = newton_eight.turned_by_all(turns, d)
         around = turned_by(around, f * ahead)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from srs_ik.kernels.algebra.eight import larger
+from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, root, where
@@ -19,8 +19,6 @@ from srs_ik.kernels.chain.kinematics import first_line, joint_line, turn_between
 from srs_ik.kernels.chain.newton import BOUNCES, CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import ELBOW_CENTRE, FAR, SHOULDER_CENTRE, TIP_POSITION, TIP_ROTATION
-
-ALL = 0b11111111
 
 NOTHING = 1e-15
 """A step this short, rad, need not be taken ..."""

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import store7, with_joint
 from srs_ik.kernels.algebra.lanes import as_bits
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.eight import ALL, in_own_branch, put_eight, sines_of_eight, take_eight
+from srs_ik.kernels.chain.eight import in_own_branch, put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle, pose_step
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.jit import kernel

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, short_way, store7
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, scatter
 from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.chain import newton
-from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
+from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all, width_of_splits

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import larger
+from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
 from srs_ik.kernels.chain import newton_eight
-from srs_ik.kernels.chain.eight import ALL, take_eight, take_ways
+from srs_ik.kernels.chain.eight import take_eight, take_ways
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST

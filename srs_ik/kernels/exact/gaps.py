@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, root, where
 from srs_ik.kernels.algebra.vectors import add, load3, norm, sub, swing
@@ -12,8 +13,6 @@ from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.limits import LEVEL, TURN, is_inside, turn_to_middle, violation
 from srs_ik.kernels.limb.spherical import angles, eight_middles, middle_anchor, middle_angle, sines
 from srs_ik.kernels.limb.splits import nearest_split
-
-ALL = 0b11111111
 
 ROUNDING = 4e-15
 """What rounding makes of directions; over the sine of a middle angle, of the outer angles, rad."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import choose, larger, smaller
+from srs_ik.kernels.algebra.eight import ALL, choose, larger, smaller
 from srs_ik.kernels.algebra.lane_trig import angle_of
 from srs_ik.kernels.algebra.lanes import as_bits, as_mask, eight_of, one_of, where, whole_number
 from srs_ik.kernels.algebra.vectors import swing
@@ -27,10 +27,14 @@ from srs_ik.kernels.limb.limits import PER_TURN, TURN
 from srs_ik.kernels.limb.spherical import eight_middles, joint_at, joints_of, middles_of, sines, sines_of
 from srs_ik.kernels.limb.triangle import elbow_at, frame_at, shoulder_columns, wrist_columns
 
-ALL = 0b11111111
-BEYOND_STRAIGHT = 0b11110000  # the branches of the second elbow
+BEYOND_STRAIGHT = 0b11110000
+BEYOND_SHOULDER = 0b11001100
+BEYOND_WRIST = 0b10101010
+"""The branches, as the bits of their numbers, with q4, q2 and q6 below their phases."""
+
 WRIST_LANES = 0b11110000
 BELOW_LANES = 0b10101010
+"""Of `halves`, those of the wrist, and those below the phase of the middle joint."""
 
 
 @kernel
@@ -138,38 +142,30 @@ def eight_branches(P, place_, psi):
 
 
 @kernel
-def farthest_turn(P, joint, q):
-    """`limits.turn_to_middle` of eight angles of a joint, minus their margins, and their violations."""
+def farthest_turn(P, joint, q, respect):
+    """`limits.turn_to_middle` of eight angles of a joint, and what each costs."""
     q = in_middle_turn(P, joint, q)
     inside = smaller(larger(q, P[LOWER + joint]), P[UPPER + joint])
     q = where(abs(q - inside) < P[SLACK_LIMIT], inside, q)
-    return q, abs(q - P[MIDDLE + joint]) * P[INVERSE_HALF_RANGE + joint] - 1.0, abs(q - inside)
-
-
-@kernel
-def part_cost(costs, outside, respect):
-    """`goal.margin_part` of three joints, eight times in step, from minus their margins and their violations."""
-    cost = larger(larger(costs[0], costs[1]), costs[2])
-    if not respect:
-        return cost
-    beyond = larger(larger(outside[0], outside[1]), outside[2])
-    return where(beyond > 0.0, OUTSIDE + beyond, cost)
+    cost = abs(q - P[MIDDLE + joint]) * P[INVERSE_HALF_RANGE + joint] - 1.0
+    if respect:
+        outside = abs(q - inside)
+        cost = where(outside > 0.0, OUTSIDE + outside, cost)
+    return q, cost
 
 
 @kernel
 def farthest_branches(P, place_, psi, respect):
     """`eight_branches` in the turns farthest from the limits; whether all are sure; costs of shoulder, elbow, wrist."""
     q, sure = eight_branches(P, place_, psi)
-    a, cost_a, out_a = farthest_turn(P, 0, q[0])
-    b, cost_b, out_b = farthest_turn(P, 1, q[1])
-    c, cost_c, out_c = farthest_turn(P, 2, q[2])
-    d, cost_d, out_d = farthest_turn(P, 3, q[3])
-    e, cost_e, out_e = farthest_turn(P, 4, q[4])
-    f, cost_f, out_f = farthest_turn(P, 5, q[5])
-    g, cost_g, out_g = farthest_turn(P, 6, q[6])
-    shoulder = part_cost((cost_a, cost_b, cost_c), (out_a, out_b, out_c), respect)
-    elbow = part_cost((cost_d, cost_d, cost_d), (out_d, out_d, out_d), respect)
-    wrist = part_cost((cost_e, cost_f, cost_g), (out_e, out_f, out_g), respect)
+    a, cost_a = farthest_turn(P, 0, q[0], respect)
+    b, cost_b = farthest_turn(P, 1, q[1], respect)
+    c, cost_c = farthest_turn(P, 2, q[2], respect)
+    d, elbow = farthest_turn(P, 3, q[3], respect)
+    e, cost_e = farthest_turn(P, 4, q[4], respect)
+    f, cost_f = farthest_turn(P, 5, q[5], respect)
+    g, cost_g = farthest_turn(P, 6, q[6], respect)
+    shoulder, wrist = larger(larger(cost_a, cost_b), cost_c), larger(larger(cost_e, cost_f), cost_g)
     return (a, b, c, d, e, f, g), sure, (shoulder, elbow, wrist)
 
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lanes import one_of
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, tip_errors
+from srs_ik.kernels.chain.eight import put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import CLOSED, close_at_angle
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
-from srs_ik.kernels.chain.newton_eight import ALL
 from srs_ik.kernels.curves.ends import beyond_any_of_eight, beyond_limits
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7

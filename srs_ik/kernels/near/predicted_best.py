@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lanes import eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import STEPS, arm_angle
-from srs_ik.kernels.chain.newton_eight import ALL, all_times, close_eight
+from srs_ik.kernels.chain.newton_eight import all_times, close_eight
 from srs_ik.kernels.curves.best import best_of_runs, search_followed
 from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.exact.farthest import best_glance, copy_interval, draw_in, farthest_of_all

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import larger
+from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
-from srs_ik.kernels.chain.newton_eight import ALL, PROBED, close_in_planes, half_planes
+from srs_ik.kernels.chain.newton_eight import PROBED, close_in_planes, half_planes
 from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View

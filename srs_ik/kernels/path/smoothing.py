@@ -11,10 +11,11 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, largest, store7
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.chain.eight import ALL, put_eight, put_some, take_eight
+from srs_ik.kernels.chain.eight import put_eight, put_some, take_eight
 from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED

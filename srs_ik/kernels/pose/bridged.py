@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lanes import as_bits
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.bridge import bridge_to
-from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
+from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import largest
 from srs_ik.kernels.curves.in_step import to_curves
 from srs_ik.kernels.jit import kernel

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
 from srs_ik.kernels.chain.newton import CLOSED, close_free
@@ -19,7 +20,19 @@ from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, PHASE, SHOULDER, SIZE, WRIST
+from srs_ik.kernels.layout.limb import (
+    FAR,
+    FIRST_JOINT,
+    FREE,
+    IS_NEAR,
+    LIMITED,
+    LOOSE,
+    MISS,
+    PHASE,
+    SHOULDER,
+    SIZE,
+    WRIST,
+)
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_line_up, toward_of
@@ -34,6 +47,10 @@ from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_a
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
+
+
+APART = 1e-6
+"""Splits farther apart than this, rad, are two."""
 
 
 @kernel
@@ -105,6 +122,23 @@ def intervals_within(family, target, known, goal, found):
 
 
 @kernel
+def split_behind_limits(P, target, goal, found, work):
+    """A posture, or a nearer one along the free splits of its shoulder and wrist, where limits keep steps from it."""
+    for k in (SHOULDER, WRIST):
+        q, first = found[0], int(P[k + FIRST_JOINT])
+        middle = q[1] if k == SHOULDER else q[5]
+        if not is_in_line(P, k, middle, NEARLY_IN_LINE):
+            continue
+        toward = toward_of(P, k, middle)
+        total = toward * q[first] + q[first + 2]
+        q1, q3 = nearest_split(P, k, first, total, toward, goal.seed[first], goal.seed[first + 2])
+        if abs(q1 - q[first]) > APART:
+            start = with_joint(with_joint(q, first, q1), first + 2, q3)
+            found = try_from(P, start, target, goal, found, work)
+    return found
+
+
+@kernel
 def going_on(P, target, goal, found, J, A):
     """What a search has found, or what is nearer to a seed around it: q, branch, cost.
 
@@ -114,7 +148,8 @@ def going_on(P, target, goal, found, J, A):
     if not goal.seeded or found[2] >= OUTSIDE:
         return found
     q, value = descend(P, found[0], target, goal, THOROUGH, (J, A))
-    return q, branch_of(P, q), value
+    found = (q, branch_of(P, q), value)
+    return split_behind_limits(P, target, goal, found, (J, A)) if goal.respect else found
 
 
 @kernel
@@ -134,13 +169,6 @@ def going_on_in_branch(family, target, branch, goal, found, J, A):
         q, value = nearest.settle_inside(box, target, goal.seed, within, J, A)
         q, _, value = going_on(box, target, within, (q, branch, value) if value < found[2] else found, J, A)
         found = (q, branch, value)
-        if is_in_line(box, WRIST, q[5], NEARLY_IN_LINE):
-            # Along its split, the nearest posture may be behind limits.
-            toward = toward_of(box, WRIST, q[5])
-            q5, q7 = nearest_split(box, WRIST, 4, toward * q[4] + q[6], toward, goal.seed[4], goal.seed[6])
-            start = (q[0], q[1], q[2], q[3], q5, q[5], q7)
-            q, _, value = try_from(box, start, target, within, found, (J, A))
-            found = (q, branch, value)
     keep(boxes)
     return found
 

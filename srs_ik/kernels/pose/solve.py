@@ -10,11 +10,12 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
-from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, tip_errors
+from srs_ik.kernels.chain.eight import put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped
 from srs_ik.kernels.exact.free_splits import worse_by
