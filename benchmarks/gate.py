@@ -3,7 +3,7 @@
 Run: python benchmarks/gate.py
 
 Times on a shared machine say little, their ratio says enough: both sides are the least of many short runs, taken by
-turns, and the bounds are about twice what the code takes.
+turns, and the bounds are a little more than twice what the code takes on registers of 512 bits.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from srs_ik.bench.work import Work
 
 POSES = 200
 ROUNDS = 40
-BOUNDS = {"solve_batch at arm angles": 20.0, "eight branches": 26.0, "intervals_batch": 90.0, "solve": 45.0}
+BOUNDS = {"solve_batch at arm angles": 12.0, "eight branches": 12.0, "intervals_batch": 50.0, "solve": 35.0}
 
 
 def least_us(call: Callable[[], Any], poses: int) -> float:

@@ -102,8 +102,8 @@ def margin(arm: srs_ik.Arm, q: np.ndarray) -> float:
     limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
     if not limited.any():
         return 0.0
-    half = 0.5 * (arm.upper - arm.lower)[limited]
-    middle = 0.5 * (arm.upper + arm.lower)[limited]
+    lower, upper = arm.lower[limited], arm.upper[limited]
+    half, middle = 0.5 * (upper - lower), 0.5 * (upper + lower)
     return float((np.abs(q[limited] - middle) / np.maximum(half, 1e-12)).max())
 
 
