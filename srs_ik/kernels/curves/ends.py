@@ -133,6 +133,14 @@ def sample_before(curve, x):
 
 
 @kernel
+def on_chord(rows, low, x):
+    """The point at a parameter of the straight way between two samples."""
+    start = load_sample(rows[low])
+    share = (x - rows[low, 0]) / (rows[low + 1, 0] - rows[low, 0])
+    return along7(start, share, difference(start, load_sample(rows[low + 1])))
+
+
+@kernel
 def on_curve(P, by, branch, curve, x):
     """Posture at a parameter, and its infeasibility; samples tell the curve if no branch gives it."""
     rows = curve.rows
@@ -145,8 +153,13 @@ def on_curve(P, by, branch, curve, x):
         # The sample itself: the end of a run keeps the limits to the last bit.
         q = load_sample(rows[low if x == rows[low, 0] else high])
     else:
-        share = (x - rows[low, 0]) / (rows[high, 0] - rows[low, 0])
-        q, met = between(P, by, load_sample(rows[low]), load_sample(rows[high]), share)
+        if is_exact(P):
+            # A free split is the chord. Where another sum is free at once, it stays as it is: steps would turn it, too.
+            q, error = close_gently(P, on_chord(rows, low, x), by.target.R, by.target.p, False, by.J, by.A)
+            met = error <= CLOSED
+        else:
+            share = (x - rows[low, 0]) / (rows[high, 0] - rows[low, 0])
+            q, met = between(P, by, load_sample(rows[low]), load_sample(rows[high]), share)
         if not met:
             return q, NO_BRANCH
     q = turned(P, q, False, NO_SEED, by.respect)
@@ -169,14 +182,6 @@ def first_limit(P, a, b):
                 joint, least = j, inside / (inside + off)
                 limit = P[UPPER + j] if at_b > P[UPPER + j] else P[LOWER + j]
     return joint, limit, least
-
-
-@kernel
-def on_chord(rows, low, x):
-    """The point at a parameter of the straight way between two samples."""
-    start = load_sample(rows[low])
-    share = (x - rows[low, 0]) / (rows[low + 1, 0] - rows[low, 0])
-    return along7(start, share, difference(start, load_sample(rows[low + 1])))
 
 
 @kernel

@@ -218,7 +218,12 @@ def survey_exact(P, by, found, work, line, out):
         branch = int(found[i, 0])
         by = Setting(by.target, elbow_side(P, by.target.place, branch >> 2), by.respect, by.J, by.A)
         n = sample_branch(P, by, branch, (found[i, 1], found[i, 2]), work, line)
+        before = used
         used = cut(P, by, branch, Samples(line, 0, n), out, used)
+        if used[1] == before[1]:
+            # So narrow that it has no inside: one posture, as of a joint that cannot move.
+            alone = (line[n // 2, 0], load_sample(line[n // 2]))
+            used = put_run(P, by.respect, branch, Samples(line, n // 2, n // 2), (alone, alone), out, used)
     return used
 
 
