@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from objective_parameters import NAMES, PARAMETERS
-from oracles import distance, inside, limbs, random_limb
+from oracles import distance, inside, limbs, random_limb, unit
 from scipy.optimize import minimize_scalar
 
 import srs_ik
@@ -148,6 +148,63 @@ RISING = (
     chains.Line((-0.53752, 0.15878, 0.82816), (-429.72, 542.95, 162.02), chains.CONTINUOUS),
 )
 """A limb with a pose whose best postures by a first objective lie in two stretches, parted by a low rise."""
+
+
+def limited(model, **limits):
+    """A copy of a model of seven joints with other limits."""
+    model = model.copy()
+    model.lowerPositionLimit, model.upperPositionLimit = (np.array(limits[side], float) for side in ("lower", "upper"))
+    return model
+
+
+@pytest.mark.parametrize("joint", [1, 3, 5, 7])
+def test_of_a_joint_that_cannot_move_the_best_of_all_postures_is_taken(joint):
+    # Each interval is one arm angle.
+    iiwa14, rng = arms.load("iiwa14"), np.random.default_rng(joint)
+    lower, upper = iiwa14.lower.copy(), iiwa14.upper.copy()
+    lower[joint - 1] = upper[joint - 1] = 0.3
+    arm = srs_ik.load(limited(iiwa14.model, lower=lower, upper=upper), base=iiwa14.base, tip=iiwa14.tip)
+    for known in rng.uniform(arm.lower, arm.upper, (20, 7)):
+        pose = arm.forward_kinematics(known)
+        postures = np.array([solution.q for solution in arm.solve_all(pose)])
+        best = arm.optimise(pose, "manipulability")
+        assert best.status is Status.OK
+        assert inside(best.q, arm.lower, arm.upper)
+        assert max(distance(pose, arm.forward_kinematics(best.q))) < 1e-9
+        assert best.value >= max(srs_ik.manipulability(arm.jacobian(q)) for q in postures) - 1e-12
+        nearest = arm.optimise(pose, lambda q: (q[1] - 0.2) ** 2)
+        assert nearest.value <= ((postures[:, 1] - 0.2) ** 2).min() + 1e-12
+        task = {"force": unit(rng), "velocity": unit(rng)}
+        least = min(float(((task["force"] @ arm.jacobian(q)[:3]) ** 2).sum()) for q in postures)
+        assert arm.optimise(pose, "force_then_velocity", **task).value <= 1.01 * least + 1e-12
+
+
+def test_where_two_sums_are_free_a_tolerance_is_kept():
+    # Shoulder and wrist singular at once: between two samples a posture is on their line, not elsewhere on the surface.
+    axes = "0 -1 0", "-1 0 0", "0 0 1", "0 1 0", "0 0 -1", "-1 0 0", "0 -1 0"
+    limits = (0.5, 4.0), (0.2, 2.5), (-3.5, -0.4), (0.3, 2.5), (1.0, 5.5), (-2.4, -0.3), (2.0, 9.0)
+    joints = "".join(
+        f'<link name="l{j + 1}"/><joint name="j{j + 1}" type="revolute"><parent link="l{j}"/><child link="l{j + 1}"/>'
+        f'<origin xyz="0 0 {(0.0, 0.2263, 0.2802)[max(j - 2, 0) if j < 5 else 0]}"/><axis xyz="{axes[j]}"/>'
+        f'<limit lower="{limits[j][0]}" upper="{limits[j][1]}" velocity="2" effort="9"/></joint>'
+        for j in range(7)
+    )
+    tool = '<link name="tool"/><joint name="hand" type="fixed"><parent link="l7"/><child link="tool"/>'
+    arm = srs_ik.load(f'<robot name="r"><link name="l0"/>{joints}{tool}<origin xyz="0 0 0.155"/></joint></robot>')
+    right = np.pi / 2.0
+    pose = arm.forward_kinematics([np.pi, right, -right, right, 3.0 * right, -right, 9.0])
+    force, velocity = np.array([-1.025, -0.949, -0.543]), np.array([0.723, -1.067, 0.71])
+    best = arm.optimise(pose, "force_then_velocity", force=force, velocity=velocity, tolerance=0.0)
+    for tolerance in (1e-3, 0.01, 0.02, 0.03, 0.05, 0.1):
+        found = arm.optimise(pose, "force_then_velocity", force=force, velocity=velocity, tolerance=tolerance)
+        first, second = (
+            ((direction / np.linalg.norm(direction) @ arm.jacobian(found.q)[:3]) ** 2).sum()
+            for direction in (force, velocity)
+        )
+        assert found.value == pytest.approx(first, rel=1e-12)
+        assert found.second_value == pytest.approx(second, rel=1e-12)
+        assert found.value <= best.value * (1.0 + tolerance) * (1.0 + 1e-9)
+        assert found.second_value >= best.second_value - 1e-9
 
 
 @pytest.mark.parametrize("tolerance", [0.0102, 0.0106, 0.011, 0.0116])
