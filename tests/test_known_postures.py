@@ -1018,13 +1018,20 @@ TOLD_OF_ROUNDED = [
         "3.0522766952644105 -2.7764065947771286",
     ),
     (
+        17000000,
+        7,
+        "-3.9016706460184163 1.888814703912641 -3.72776334588036 -1.044611186744703e-06 0.18925100690881957 "
+        "-4.708408647167117 3.7151821191179133",
+    ),
+    (
         9800000,
         33,
         "1.69514176303691 -0.0001 0.3587506294152263 1.9656787014923798 1.8688951710653159 1.641665343878124 "
         "-1.560645606411029",
     ),
 ]
-"""Seed and number of an arm whose axes miss by 1e-8 m: flat elbows, and an end where another joint is outside."""
+"""Seed and number of an arm whose axes miss by 1e-8 m: flat elbows, one alone between two limits, and an end where
+another joint is outside."""
 
 
 @pytest.mark.parametrize(("seed", "number", "given"), TOLD_OF_ROUNDED)
