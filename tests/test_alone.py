@@ -7,6 +7,7 @@ and is in an interval.
 import arms
 import numpy as np
 import pytest
+from oracles import Forward, distance, inside, phases, random_limb
 
 import srs_ik
 
@@ -111,3 +112,45 @@ def test_a_point_next_to_singular_joints_is_found_and_an_interval(case):
 def test_a_point_of_an_arm_with_rounded_figures_is_found_and_an_interval(case):
     q, lower, upper = map(np.array, case)
     assert_is_found(within("rm75", lower, upper), q, (q, lower, upper))
+
+
+OFFSETS = (0.0, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6)
+
+
+def singular_on_limits(seed, locked):
+    """A random exact limb with a singular shoulder or wrist, or both: a joint or none locked, up to three on limits."""
+    rng = np.random.default_rng(seed)
+    limb = random_limb(seed, ("coordinate", "tilted")[seed % 2], "offset", "usual")
+    free = srs_ik.load(limb.model, base="base", tip="tool")
+    q, singular = rng.uniform(-2.5, 2.5, 7), phases(free.limb)
+    for joint in ((1, 5), (1,), (5,))[rng.integers(3)]:
+        q[joint] = singular[joint] + rng.choice(OFFSETS) * rng.choice([-1.0, 1.0]) + np.pi * rng.integers(2)
+    lower, upper = q - rng.uniform(0.01, 3.0, 7), q + rng.uniform(0.01, 3.0, 7)
+    first, *others = rng.permutation(7)
+    if locked:
+        lower[first] = upper[first] = q[first]
+    for joint in others[: rng.integers(4)]:
+        end = (lower, upper)[rng.integers(2)]
+        end[joint] = q[joint]
+    limits = {
+        name: {"lower": low, "upper": high} for name, low, high in zip(free.joint_names, lower, upper, strict=True)
+    }
+    return srs_ik.load(limb.model, base="base", tip="tool", limits=limits), np.clip(q, lower, upper)
+
+
+@pytest.mark.parametrize("locked", [True, False])
+def test_single_arm_angles_of_intervals_are_met_next_to_singular_joints(locked):
+    """Of 100 such poses one or two had an interval of one arm angle, or of next to nothing, that was refused."""
+    single = 0
+    for seed in range(400):
+        arm, q = singular_on_limits(seed, locked)
+        forward, pose = Forward(arm.model, "base", "tool", arm.joint_names), arm.forward_kinematics(q)
+        for found in arm.intervals(pose):
+            if found.width < 1e-6:
+                for psi in np.linspace(found.lower, found.upper, 5):
+                    solution = arm.solve(pose, arm_angle=psi, branch=found.branch)
+                    assert solution, (seed, found, psi)
+                    assert max(distance(pose, forward(solution.q))) < 1e-9
+                    assert inside(solution.q, arm.lower, arm.upper)
+                single += 1
+    assert single > 20

@@ -691,8 +691,9 @@ TOUCHED_BETWEEN = [
     [3.1, 2.268, 2.9606091816515847, -0.8569429252995913, -1.302831015266397, -1e-10, -2.855223645242845],
     [3.1, -0.4445539495400668, 2.603139700407328, 0.8790503211897698, -2.9750260302734706, 1e-11, -6.28],
     [-2.399233784138461, -1.5387995103873868, 3.1, 0.5353757763065787, 0.005483281420487263, 0.0, 6.28],
+    [-3.1, -2.268, 3.1, 0.6877073636630309, -1.5384797208434275, 0.0, 2.0955607636734834],
 ]
-"""Wrist singular, two joints on limits that they touch where q6 passes zero, between the only two samples of an arc."""
+"""Wrist singular, two joints or three on limits that they touch where q6 passes zero, between the only two samples."""
 
 ALONE = [-0.2711505841443289, 0.0, 1.405866915567667, 1.7764747463181174, 2.835471058004974, 0.0, -0.34598129010373313]
 """Shoulder and wrist singular at once: a posture on no curve of its pose."""
@@ -975,9 +976,14 @@ TOLD = [
         "rm75",
         "-0.2601701512757275 1e-11 2.919934325306851 -1.2152273788585037 1.0787849556981022 1e-11 -5.744178592616479",
     ),
+    (
+        "rm75",
+        "3.09999999 -1.8286027161110532 -1.6133794644901953 1e-10 0.5966407406214671 -2.23299999 3.376583427158603",
+    ),
 ]
 """Branches that change a thousand times; a posture on a limit; arm angles of flat elbows that floats do not tell, or
-told by postures that do not meet their pose, or break a limit; far turns, sharp bulges, and elbows elsewhere."""
+told by postures that do not meet their pose, or break a limit; far turns, sharp bulges, and elbows elsewhere; a sample
+outside its limits between two postures inside."""
 
 
 def assert_intervals_are_met(bench, arm, q):
@@ -1012,13 +1018,20 @@ TOLD_OF_ROUNDED = [
         "3.0522766952644105 -2.7764065947771286",
     ),
     (
+        17000000,
+        7,
+        "-3.9016706460184163 1.888814703912641 -3.72776334588036 -1.044611186744703e-06 0.18925100690881957 "
+        "-4.708408647167117 3.7151821191179133",
+    ),
+    (
         9800000,
         33,
         "1.69514176303691 -0.0001 0.3587506294152263 1.9656787014923798 1.8688951710653159 1.641665343878124 "
         "-1.560645606411029",
     ),
 ]
-"""Seed and number of an arm whose axes miss by 1e-8 m: flat elbows, and an end where another joint is outside."""
+"""Seed and number of an arm whose axes miss by 1e-8 m: flat elbows, one alone between two limits, and an end where
+another joint is outside."""
 
 
 @pytest.mark.parametrize(("seed", "number", "given"), TOLD_OF_ROUNDED)
@@ -1026,6 +1039,16 @@ def test_what_intervals_of_rounded_arms_tell_is_met(bench, seed, number, given):
     made = subjects()["arms_of"]("random_rounded", 10000, seed)
     arm, _ = next(islice(made, number, None))
     assert_intervals_are_met(bench, arm, np.array(given.split(), float))
+
+
+def test_an_answer_that_free_steps_find_is_told_to_be_of_its_branch():
+    """It was told to be of the branch from which the steps had begun."""
+    arm, _ = next(islice(subjects()["arms_of"]("random_rounded", 10000, 16000000), 89, None))
+    q = "-3.0353634668310456 1e-11 4.811882431122668 -3.682754546591459e-09 0.7115345120125012 -1.7262786612810257 "
+    solution = arm.solve(arm.forward_kinematics(np.array(f"{q} 2.269636611462001".split(), float)))
+    assert solution
+    sides = [np.sin(solution.q[joint] - angle) < 0.0 for joint, angle in phases(arm.limb).items()]
+    assert solution.branch == 2 * sides[0] + 4 * sides[1] + sides[2]
 
 
 MEETING_LIMITS = [

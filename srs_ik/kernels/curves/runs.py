@@ -121,8 +121,10 @@ def cut(P, by, branch, curve, out, used):
                 else:
                     x, f = dip_near(P, by, curve, (x_before, x0, x1))
             if f <= 0.0:
-                begin = edge(P, by, branch, curve, (x, f), (x_before, f_before))
-                end, ends = edge(P, by, branch, curve, (x, f), (x1, f1)), True
+                # The sample between the two is outside: the run ends before it, or begins behind it.
+                outside = ((x_before, f_before), (x0, f0)) if x < x0 else ((x0, f0), (x1, f1))
+                begin = edge(P, by, branch, curve, (x, f), outside[0])
+                end, ends = edge(P, by, branch, curve, (x, f), outside[1]), True
             elif f0 < BLURRED and not is_exact(P):
                 q, ends = corner(P, by, load_sample(line[i - 1]), f0)
                 begin = end = (x0, q)

@@ -341,6 +341,10 @@ def find_at_angle(P, by, followed, psi, wanted, goal, out):
     for index in range(runs.shape[0]):
         first = int(runs[index, 3])
         last = int(runs[index, 4])
+        if last - first == 1:  # a posture between two limits, alone
+            q, ahead = load_sample(followed.rows[first]), short_way(told[first, TOLD_PSI] - psi)
+            if is_here(P, by, q, ahead):
+                keep_found(P, by, q, int(told[first, TOLD_BRANCH]), goal, out)
         for i in range(first + 1, last):
             if wanted < 0 or wanted in (int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])):
                 past, ahead = goes_past(told, i, psi, blur)

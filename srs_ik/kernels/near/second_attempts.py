@@ -178,10 +178,10 @@ def look_around(P, target, branch, goal, J, A):
             q, _, _ = best_branch(P, place_, psi, b, goal.seeded, goal.seed, goal.respect)
             q, _ = newton.close_at_angle(P, q, R, p, place_[0], place_[1], psi, newton.STEPS, A)
             linear, angular = newton.pose_step(P, q, R, p, J)
-            here = branch_of(P, q)
             error = max(norm(linear), norm(angular))
             if newton.CLOSED < error < newton.LEFT:
                 q, error = newton.close_free(P, q, R, p, goal.respect, newton.STEPS, J, A)
+            here = branch_of(P, q)
             if error > newton.LEFT or (branch >= 0 and here != branch):
                 continue
             # At another arm angle perhaps, but a posture for the pose.
@@ -212,7 +212,7 @@ def rescue(P, target, branch, goal, J, A):
                     q = bend(P, q, b)
                 q, value = free_start(P, target, q, branch, goal, J, A)
                 if value < lowest:
-                    best_q, best, lowest = q, b, value
+                    best_q, best, lowest = q, branch_of(P, q), value
         if lowest < OUTSIDE:
             return best_q, best, lowest
     if lowest < OUTSIDE * (2.0 + ALMOST):

@@ -45,8 +45,9 @@ def split_inside(P, k, q1, q2, q3):
         return q1, q3
     first = int(P[k + FIRST_JOINT])
     toward = toward_of(P, k, q2)
-    q1, other = nearest_split(P, k, first, toward * q1 + q3, toward, q1, q3)
-    return q1, min(max(other, P[LOWER + first + 2]), P[UPPER + first + 2])
+    q1, q3 = nearest_split(P, k, first, toward * q1 + q3, toward, q1, q3)
+    # Limits of both that leave one split may leave none to the last bit.
+    return min(max(q1, P[LOWER + first]), P[UPPER + first]), min(max(q3, P[LOWER + first + 2]), P[UPPER + first + 2])
 
 
 @kernel
@@ -59,6 +60,16 @@ def vagueness(P, q, target, psi, A):
         A[i, 7] = newton.ROUNDING if i % 2 == 0 else -newton.ROUNDING
     A[6, 7] = 0.0
     return newton.longest(A) if solve_linear(A, 7) != 0.0 else math.inf
+
+
+@kernel
+def is_at_angle(P, q, target, psi, A):
+    """Whether a posture is at an arm angle as well as floats tell."""
+    away = abs(short_way(newton.arm_angle(P, q, target.place[0], target.place[1]) - psi))
+    if away <= SAME_ANGLE:
+        return True
+    on_line = away * norm(newton.elbow_across(P, q, target.place[0])) <= newton.ON_LINE * P[FAR]
+    return on_line and away <= SAME_ANGLE + APART * vagueness(P, q, target, psi, A)
 
 
 @kernel
@@ -83,9 +94,6 @@ def put_on_limits(P, target, psi, found, goal):
         return found
     J, A = np.empty((6, 7)), np.empty((16, 9))
     q, error = newton.close_free(P, newton.clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
-    away = short_way(newton.arm_angle(P, q, place_[0], place_[1]) - psi)
-    if error > newton.CLOSED or not abs(away) <= SAME_ANGLE + APART * vagueness(P, q, target, psi, A):
-        return found
-    if abs(away) > SAME_ANGLE and abs(away) * norm(newton.elbow_across(P, q, place_[0])) > newton.ON_LINE * P[FAR]:
+    if error > newton.CLOSED or not is_at_angle(P, q, target, psi, A):
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)

@@ -22,16 +22,17 @@ from srs_ik.kernels.exact.free_splits import worse_by
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import answer as at
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SHOULDER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.postures_eight import farthest_branches, join_parts
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
-from srs_ik.kernels.pose.on_limits import BARELY, put_on_limits
+from srs_ik.kernels.pose.on_limits import BARELY, is_at_angle, put_on_limits
 from srs_ik.kernels.pose.search import going_on, going_on_in_branch, search_exact, search_near_seed
 
 WORTH = 1e-4
@@ -136,6 +137,22 @@ def solve_row(family, T, branch, goal, J, A, out):
 
 
 @kernel
+def at_its_angle(family, target, psi, branch, found, goal):
+    """The best posture of a closed limb in a branch (-1: any), if that is at an arm angle as well as floats tell.
+
+    Or what is known there. Where limits leave single arm angles next to a singularity, rounding decides which: that of
+    an interval is the one that a search of all arm angles finds.
+    """
+    P, q = row(family, LIMITED), found[0]
+    if not (is_in_line(P, SHOULDER, q[1], NEARLY_IN_LINE) or is_in_line(P, WRIST, q[5], NEARLY_IN_LINE)):
+        return found
+    q, own, value = search_exact(family, target, branch, goal)
+    q = clipped(P, q)
+    met = value < OUTSIDE and max(*pose_error(P, q, target.R, target.p)) < at.SOLVED
+    return (q, own, value) if met and is_at_angle(P, q, target, psi, np.empty((16, 9))) else found
+
+
+@kernel
 def put_inside(family, target, psi, branch, found, goal):
     """A posture at an arm angle, in a branch (-1: any), or one inside that rounding hides: q, branch, cost."""
     P = row(family, LIMITED)
@@ -144,7 +161,7 @@ def put_inside(family, target, psi, branch, found, goal):
         hidden = at_any_bend(family, target, psi, branch, goal, inside)
         nearer = worse_by(hidden[2], inside[2], True) < -WORTH
         if inside[2] >= OUTSIDE or (nearer and max(*pose_error(P, hidden[0], target.R, target.p)) < CLOSED):
-            return hidden
+            return at_its_angle(family, target, psi, branch, hidden, goal) if hidden[2] >= OUTSIDE else hidden
     return inside
 
 
