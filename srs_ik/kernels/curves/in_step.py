@@ -47,6 +47,9 @@ SHRINKAGE = 0.4
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
 
+HARDLY = 1e-12
+"""A step to a curve that is foreseen to be this short, rad, is not taken."""
+
 BENT = 16.0
 ASIDE = 4e-4
 """A curve is no farther aside of its way than twice what its turn makes of it, and this part of the step, squared: else
@@ -156,10 +159,12 @@ def step_in_step(P, R, p, rows, alive):
     met = 0
     left = alive
     last = FARTHEST / SHRINKING * step
-    for _ in range(CORRECTIONS):
+    for i in range(CORRECTIONS):
         d, t, _, right = newton_eight.curve_step(P, turns, R, p, way, none)
         size = newton_eight.largest(d)
         settled = size < LAST_STEP
+        if i > 0:
+            settled |= newton_eight.is_foreseen(size, last, HARDLY)
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         left &= as_bits(size < SHRINKING * last)

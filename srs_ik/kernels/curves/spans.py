@@ -13,12 +13,16 @@ from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
     CHANGE_MIDDLE,
+    MET,
     MOST_BACK,
     MOST_CHANGES,
+    MOST_MET,
     TURNING,
+    Place,
     find_changes,
     goes_on,
-    posture_beside,
+    meet_changes,
+    place_beside,
     turned_back,
 )
 from srs_ik.kernels.curves.ends import inside_of_blur, on_curve, sample_before
@@ -33,7 +37,6 @@ from srs_ik.kernels.curves.told import (
     TOLD_RATE,
     UNTOLD,
     angle_at,
-    rate_at,
     tell_samples,
     turning_between,
 )
@@ -76,13 +79,6 @@ def extend(span, x, psi):
     span[3] = x
     span[4] = min(span[4], psi)
     span[5] = max(span[5], psi)
-
-
-class Place(NamedTuple):
-    """A place on a curve."""
-
-    at: Any  # its parameter, arm angle and the rate of that along the curve
-    q: Any  # its posture
 
 
 class Passed(NamedTuple):
@@ -129,14 +125,13 @@ def take_turn(P, by, curve, span, passed, here, to):
 def take_back(P, by, curve, span, passed, here, at):
     """Let a span reach to where the arm angle goes back between two places, if it does; where it has come, twice."""
     for i in range(MOST_BACK):
-        back, q, found = turned_back(P, by, curve, here.at, at, i > 0)
+        there, found = turned_back(P, by, curve, here.at, at, i > 0)
         if not found:
             break
-        psi, behind = passed.psi + short_way(back[1] - passed.psi), math.copysign(1.0, back[2])
-        there = Place(back, q)
+        psi, behind = passed.psi + short_way(there.at[1] - passed.psi), math.copysign(1.0, there.at[2])
         take_turn(P, by, curve, span, passed, here, (there, behind))
         passed, here = Passed(psi, behind), there
-        extend(span, back[0], psi)
+        extend(span, there.at[0], psi)
     return passed, here
 
 
@@ -175,28 +170,28 @@ def without_short(spans, first, n):
 def pass_between(P, by, curve, i, passed, room, n):
     """Go on with n spans from sample i - 1 of a run to the next one: where they have come to, and their number.
 
-    `room` is for spans, what samples tell, and room for changes.
+    `room` is for spans, what is known of the samples (`find_changes`), and room for changes.
     """
-    spans, told, changes = room
+    spans, known, changes = room
+    told, _ = known
     rows = curve.rows
     psi, rise = passed
     x = rows[i - 1, 0]
     here = Place((x, told[i - 1, TOLD_PSI], told[i - 1, TOLD_RATE]), load_sample(rows[i - 1]))
-    for c in range(find_changes(P, by, curve, i, told, changes)):
+    for c in range(find_changes(P, by, curve, i, known, changes)):
         inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
         outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
-        there = posture_beside(P, by, curve, changes[c], inside)
-        to = Place((inside, angle_at(P, by, there), rate_at(P, by, there)), there)
+        to = place_beside(P, by, curve, changes[c], inside)
         passed, here = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), here, to.at)
         rise = math.copysign(1.0, to.at[2])
         take_turn(P, by, curve, spans[n - 1], passed, here, (to, rise))
         psi = passed.psi + short_way(to.at[1] - passed.psi)
         extend(spans[n - 1], inside, psi)
-        there = posture_beside(P, by, curve, changes[c], outside)
-        psi += short_way(angle_at(P, by, there) - psi)
+        here = place_beside(P, by, curve, changes[c], outside)
+        psi += short_way(here.at[1] - psi)
         branch = int(spans[n - 1, 1]) ^ bit_of(int(changes[c, CHANGE_MIDDLE]))
         n = open_span(spans, n, spans[n - 1, 0], branch, outside, psi)
-        x, here = outside, Place((outside, psi, to.at[2]), there)
+        x, here = outside, Place((outside, psi, here.at[2]), here.q)
     to = Place((rows[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]), load_sample(rows[i]))
     passed, here = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), here, to.at)
     change = short_way(to.at[1] - passed.psi)
@@ -211,7 +206,7 @@ def pass_between(P, by, curve, i, passed, room, n):
 @kernel
 def spans_of_run(P, by, rows, runs, index, room, n):
     """Append the spans of a run; the number of spans. `room` is as in `pass_between`."""
-    spans, told, _ = room
+    spans, (told, _), _ = room
     curve = samples_of(rows, runs[index])
     _, first, last = curve
     start = n
@@ -230,12 +225,13 @@ def spans_of_run(P, by, rows, runs, index, room, n):
 @kernel
 def find_spans(P, by, rows, runs, spans):
     """Cut all runs into spans; return their number."""
-    told, changes = np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE))
-    count = runs.shape[0]
+    told, changes, met = np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE)), np.empty((MOST_MET, MET))
+    count, n_met = runs.shape[0], 0
     if count > 0:
         # Runs lie one behind the other.
         tell_samples(P, by, Samples(rows, int(runs[0, 3]), int(runs[count - 1, 4])), told)
-    room = spans, told, changes
+        n_met = meet_changes(P, by, rows, runs, told, met)
+    room = spans, (told, met[:n_met]), changes
     n = 0
     for index in range(count):
         n = spans_of_run(P, by, rows, runs, index, room, n)
