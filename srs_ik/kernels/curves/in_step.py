@@ -158,19 +158,17 @@ def step_in_step(P, R, p, rows, alive):
     none = 0.0 * step
     met = 0
     left = alive
-    last = FARTHEST / SHRINKING * step
-    for i in range(CORRECTIONS):
+    last, before_last = FARTHEST / SHRINKING * step, none + math.inf
+    for _ in range(CORRECTIONS):
         d, t, _, right = newton_eight.curve_step(P, turns, R, p, way, none)
         size = newton_eight.largest(d)
-        settled = size < LAST_STEP
-        if i > 0:
-            settled |= newton_eight.is_foreseen(size, last, HARDLY)
+        settled = (size < LAST_STEP) | newton_eight.is_foreseen(size, before_last, HARDLY)
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         left &= as_bits(size < SHRINKING * last)
         if left & ~as_bits(settled) == 0:
             break
-        last = size
+        last = before_last = size
         turns = newton_eight.turned_by_all(turns, d)
     cosine = dot7(way, t)
     made = along7(q, -1.0, before)
