@@ -69,9 +69,6 @@ DIP_STEPS = 8
 FORETOLD = 4.0
 """What is so many times as far from zero as from what was foretold does not reach zero."""
 
-KEPT = 0.5
-"""Where the tangents at two samples meet no lower than this part of the lower one, what is between is as far off."""
-
 FROM_ENDS = 0.01
 """Where a figure is lowest between two samples is looked for no closer to them than this part of the way."""
 
@@ -301,22 +298,10 @@ def rates_of_sine(P, curve, i, told, middle):
 def may_change(P, curve, i, told, middle):
     """Whether a middle angle is on two sides at samples i - 1 and i, or comes so close to the other that it may be."""
     at_a, at_b = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
-    way = curve.rows[i, 0] - curve.rows[i - 1, 0]
-    if (at_a >= 0.0) != (at_b >= 0.0) or abs(at_a + at_b) >= ARC * way:
+    if (at_a >= 0.0) != (at_b >= 0.0) or abs(at_a + at_b) >= ARC * (curve.rows[i, 0] - curve.rows[i - 1, 0]):
         return (at_a >= 0.0) != (at_b >= 0.0)
     rate_a, rate_b = rates_of_sine(P, curve, i, told, middle)
-    side = 1.0 if at_a >= 0.0 else -1.0
-    return falls_between((side * at_a, side * rate_a), (side * at_b, side * rate_b), way)
-
-
-@kernel
-def falls_between(a, b, way):
-    """Whether a figure above zero at both ends of a way may fall to it between them: its tangents meet that low."""
-    (at_a, rate_a), (at_b, rate_b) = a, b
-    if not rate_a < 0.0 < rate_b:
-        return False
-    lowest = at_a + rate_a * (at_b - at_a - rate_b * way) / (rate_a - rate_b)
-    return lowest < KEPT * min(at_a, at_b)
+    return rate_a < 0.0 < rate_b if at_a >= 0.0 else rate_b < 0.0 < rate_a
 
 
 @kernel

@@ -12,7 +12,6 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
-from srs_ik.kernels.curves.changes import falls_between
 from srs_ik.kernels.curves.ends import joint_beyond
 from srs_ik.kernels.curves.follow import between, put, share_of_chord, tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
@@ -170,15 +169,13 @@ def rates_between(P, by, a, b):
 def stays_on_side(P, j, end, ways, rates):
     """Whether joint j, at two angles on one side of a limit, stays there between them, as its rates at both tell.
 
-    It goes on one way, as the cubic between the two does where no rate is too fast; or turns around too far away.
+    It goes on one way, as the cubic between the two does where no rate is too fast.
     """
     at_a = outside_of(P, j, end, turn_to_middle(P, j, ways[0]))
     at_b = outside_of(P, j, end, turn_to_middle(P, j, ways[1]))
     toward = 1.0 if (end == 1) == (at_a > 0.0) else -1.0
     begins, ends, change = toward * rates[0], toward * rates[1], abs(at_b) - abs(at_a)
-    if begins * ends > 0.0:
-        return begins * change > 0.0 and max(abs(begins), abs(ends)) < 3.0 * abs(change)
-    return not falls_between((abs(at_a), begins), (abs(at_b), ends), 1.0)
+    return min(begins * ends, begins * change) > 0.0 and max(abs(begins), abs(ends)) < 3.0 * abs(change)
 
 
 @kernel

@@ -47,9 +47,6 @@ SHRINKAGE = 0.4
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
 
-HARDLY = 1e-12
-"""A step to a curve that is foreseen to be this short, rad, is not taken."""
-
 BENT = 16.0
 ASIDE = 4e-4
 """A curve is no farther aside of its way than twice what its turn makes of it, and this part of the step, squared: else
@@ -158,17 +155,17 @@ def step_in_step(P, R, p, rows, alive):
     none = 0.0 * step
     met = 0
     left = alive
-    last, before_last = FARTHEST / SHRINKING * step, none + math.inf
+    last = FARTHEST / SHRINKING * step
     for _ in range(CORRECTIONS):
         d, t, _, right = newton_eight.curve_step(P, turns, R, p, way, none)
         size = newton_eight.largest(d)
-        settled = (size < LAST_STEP) | newton_eight.is_foreseen(size, before_last, HARDLY)
+        settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         left &= as_bits(size < SHRINKING * last)
         if left & ~as_bits(settled) == 0:
             break
-        last = before_last = size
+        last = size
         turns = newton_eight.turned_by_all(turns, d)
     cosine = dot7(way, t)
     made = along7(q, -1.0, before)

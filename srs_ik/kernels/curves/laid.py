@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.chain.eight import put_eight, take_ways
 from srs_ik.kernels.curves import outreach
 from srs_ik.kernels.curves.follow import reverse
-from srs_ik.kernels.curves.in_step import HARDLY, SAMPLE, load_sample, put_sample, to_curves
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample, to_curves
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
 
@@ -34,6 +34,9 @@ LONGEST = 0.45
 MOST_STATIONS = 160
 CORRECTIONS = 8
 """Turns at which samples of a curve are laid out, and Newton's steps to the curve, at most."""
+
+HARDLY = 1e-12
+"""A step to a curve that is foreseen to be this short, rad, is not taken: there are no singularities nearby."""
 
 ALONG = 0.95
 LEAST_TURNED = 0.9
