@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way, store7, with_joint
+from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, where
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
 from srs_ik.kernels.chain.newton import elbow_across
 from srs_ik.kernels.curves.ends import ON_LIMIT, infeasibility, inside_of_blur, on_chord, on_curve, sample_before
-from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector
-from srs_ik.kernels.curves.in_step import ARC, load_sample
+from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector, share_beside
+from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample
 from srs_ik.kernels.curves.told import (
     TOLD_MIDDLES,
     TOLD_PSI,
     TOLD_RATE,
     TOLD_SINES,
+    TURNING_WRIST,
     angle_at,
+    arm_angles,
     rate_at,
     turns_back,
 )
@@ -32,10 +37,18 @@ HARDLY_OFF = 2e-3
 """With the elbow farther off the line S-W than this part of the reach, the arm angle changes by less than 1e-9 rad as a
 curve goes on by `spans.JUST_OUTSIDE`."""
 
-CHANGE = 9
-CHANGE_AT, CHANGE_MIDDLE, CHANGE_POSTURE = range(3)
-"""A change of branch: parameter of the curve, which middle angle changes sides (0 shoulder, 1 elbow, 2 wrist), and the
-posture there."""
+CHANGE = 11
+CHANGE_AT, CHANGE_PSI, CHANGE_RATE, CHANGE_MIDDLE, CHANGE_POSTURE = range(5)
+"""A change of branch: parameter of the curve, arm angle and its rate there, which middle angle changes sides (0
+shoulder, 1 elbow, 2 wrist), and the posture."""
+
+MET = CHANGE + 1
+MET_ROW = CHANGE
+MOST_MET = 64
+"""A change that is met in step, the row of the sample behind it (-1 if it is not met after all), and room for them."""
+
+SAME = 1e-12
+"""A posture that keeps its limits without having been moved by more than this, rad, tells what it told before."""
 
 MOST_CHANGES = 6
 """A middle angle changes sides no more than twice between two samples."""
@@ -60,32 +73,49 @@ FROM_ENDS = 0.01
 """Where a figure is lowest between two samples is looked for no closer to them than this part of the way."""
 
 
+class Place(NamedTuple):
+    """A place on a curve."""
+
+    at: Any  # its parameter, arm angle and the rate of that along the curve
+    q: Any  # its posture
+
+
+@kernel
+def place_at(P, by, x, q):
+    """The place of a posture at a parameter."""
+    return Place((x, angle_at(P, by, q), rate_at(P, by, q)), q)
+
+
 @kernel
 def put_change(changes, n, there, middle):
-    """Insert a change, at a parameter with its posture, among n sorted ones; their number."""
-    x, q = there
+    """Insert a change, at a place, among n sorted ones; their number."""
+    x, psi, rate = there.at
     i = n
     while i > 0 and changes[i - 1, CHANGE_AT] > x:
         copy(row(changes, i - 1), row(changes, i), CHANGE)
         i -= 1
-    changes[i, CHANGE_AT], changes[i, CHANGE_MIDDLE] = x, middle
-    for j in range(7):
-        changes[i, CHANGE_POSTURE + j] = q[j]
+    changes[i, CHANGE_AT], changes[i, CHANGE_PSI], changes[i, CHANGE_RATE] = x, psi, rate
+    changes[i, CHANGE_MIDDLE] = middle
+    store7(row(changes, i), CHANGE_POSTURE, there.q)
     return n + 1
 
 
 @kernel
-def posture_beside(P, by, curve, change, x):
-    """The posture next to a change of branch, at a parameter: that of the change, unless its elbow is almost on S-W.
+def place_beside(P, by, curve, change, x):
+    """The place next to a change of branch, at a parameter: that of the change, unless its elbow is almost on S-W.
 
     There the arm angle changes fast: it is that of the parameter alone, if that has one. Where limits count it keeps
     them, if rounding alone leaves it outside.
     """
-    q = read7(row(change, CHANGE_POSTURE))
-    if norm(elbow_across(P, q, by.target.place[0])) < HARDLY_OFF * P[FAR]:
+    q = at_change = read7(row(change, CHANGE_POSTURE))
+    almost_on = norm(elbow_across(P, q, by.target.place[0])) < HARDLY_OFF * P[FAR]
+    if almost_on:
         there, off = on_curve(P, by, 0, curve, x)
         q = there if off < NO_BRANCH else q
-    return inside_of_blur(P, by, q, BLURRED)
+    q = inside_of_blur(P, by, q, BLURRED)
+    if almost_on or largest(difference(at_change, q)) > SAME:
+        return place_at(P, by, x, q)
+    return Place((x, change[CHANGE_PSI], change[CHANGE_RATE]), q)
 
 
 @kernel
@@ -113,8 +143,8 @@ def met_change(P, by, curve, middle, x, y):
 def turned_back(P, by, curve, a, b, again):
     """The next place from one to another, as `turns_back` takes them, at which the arm angle goes back, if it does.
 
-    No sample lies between the two; `again` is whether it has been asked for places before. Returns the place, its
-    posture, and whether there is one.
+    No sample lies between the two; `again` is whether it has been asked for places before. Returns the place, and
+    whether there is one.
     """
     place_, q, found = b, NO_SEED, False
     for _ in range(MOST_BACK):
@@ -128,16 +158,16 @@ def turned_back(P, by, curve, a, b, again):
         if off >= NO_BRANCH or infeasibility(P, there, by.respect) >= ON_LIMIT:
             break
         place_, q, found = (x, angle_at(P, by, there), rate_at(P, by, there)), there, True
-    return place_, q, found
+    return Place(place_, q), found
 
 
 @kernel
 def change_between(P, by, curve, middle, a, b):
-    """The parameter between two, each with its sine, at which a middle angle changes sides, and the posture there."""
+    """The place between two parameters, each with its sine, at which a middle angle changes sides."""
     (x, at_x), (y, at_y) = a, b
-    found, met = met_change(P, by, curve, middle, x, y)
+    (found, q), met = met_change(P, by, curve, middle, x, y)
     if met:
-        return found
+        return place_at(P, by, found, q)
     side = -1.0 if at_x >= 0.0 else 1.0
     crossing = start_crossing(x, side * at_x, y, side * at_y)
     for _ in range(CHANGE_STEPS):
@@ -148,7 +178,72 @@ def change_between(P, by, curve, middle, a, b):
         q, off = on_curve(P, by, 0, curve, wanted)
         crossing = tell_figure(crossing, wanted, side * sine_of(P, q, middle) if off < NO_BRANCH else NO_BRANCH)
     q, _ = on_curve(P, by, 0, curve, crossing[0])
-    return crossing[0], q
+    return place_at(P, by, crossing[0], q)
+
+
+@kernel
+def put_start(P, rows, i, middle, sines, met, n):
+    """Append the start from which Newton's method meets a change between samples i - 1 and i; how many there are."""
+    a, b = load_sample(rows[i - 1]), load_sample(rows[i])
+    joint, phase = 1 + 2 * middle, phase_of(P, middle)
+    start = along7(a, sines[0] / (sines[0] - sines[1]), difference(a, b))
+    angle = phase + math.pi * math.floor((start[joint] - phase) / math.pi + 0.5)
+    met[n, MET_ROW], met[n, CHANGE_MIDDLE] = i, middle
+    store7(row(met, n), CHANGE_POSTURE, with_joint(start, joint, angle))
+    return n + 1
+
+
+@kernel
+def meet_eight(P, by, met):
+    """Bring eight starts to the changes, in whose rows they are; which are met, as bits."""
+    middles = gather(met, CHANGE_MIDDLE, MET)
+    none = 0.0 * middles
+    shoulder, elbow = where(middles < 0.5, none + 1.0, none), where(middles < 0.5, none, none + 1.0)
+    start = take_ways(met, CHANGE_POSTURE, MET)
+    q, t, there = between_eight(P, by, start, (none, shoulder, none, elbow, none, none, none))
+    psi, rate = arm_angles(P, by.target.place, q, t)
+    there &= as_bits(abs(sines_of_eight(P, q)[2]) > TURNING_WRIST)
+    put_eight(row(met, CHANGE_POSTURE), MET, there, q)
+    scatter(met, CHANGE_PSI, MET, psi)
+    scatter(met, CHANGE_RATE, MET, rate)
+    return there
+
+
+@kernel
+def meet_changes(P, by, rows, runs, told, met):
+    """Meet the changes of shoulder and elbow between samples of runs, eight in step, in rows of met; their number.
+
+    Steps in eight divide by what axes 5 to 7 span: the wrist's own changes are met one by one.
+    """
+    n = 0
+    for index in range(runs.shape[0]):
+        for i in range(int(runs[index, 3]) + 1, int(runs[index, 4])):
+            for middle in range(2):
+                sines = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
+                if (sines[0] >= 0.0) != (sines[1] >= 0.0) and n < MOST_MET:
+                    n = put_start(P, rows, i, middle, sines, met, n)
+    for k in range(n, 8 * ((n + 7) // 8)):
+        copy(row(met, n - 1), row(met, k), MET)
+    for first in range(0, n, 8):
+        there = meet_eight(P, by, row(met, first))
+        for k in range(first, min(first + 8, n)):
+            i = int(met[k, MET_ROW])
+            start, end = load_sample(rows[i - 1]), load_sample(rows[i])
+            share, beside = share_beside(start, end, read7(row(met[k], CHANGE_POSTURE)))
+            met[k, CHANGE_AT] = rows[i - 1, 0] + share * (rows[i, 0] - rows[i - 1, 0])
+            if (there >> (k - first)) & 1 == 0 or not beside or not 0.0 < share < 1.0:
+                met[k, MET_ROW] = -1.0
+    return n
+
+
+@kernel
+def row_of_met(met, i, middle):
+    """The row of the change of a middle angle between samples i - 1 and i among those met; -1 where it is not."""
+    found = -1
+    for k in range(met.shape[0]):
+        if int(met[k, MET_ROW]) == i and int(met[k, CHANGE_MIDDLE]) == middle:
+            found = k
+    return found
 
 
 @kernel
@@ -225,11 +320,12 @@ def goes_on(P, curve, i, told, rise):
 
 
 @kernel
-def find_changes(P, by, curve, i, told, changes):
+def find_changes(P, by, curve, i, known, changes):
     """Write the changes of branch between samples i - 1 and i, in their order, into rows of changes; their number.
 
-    `told` holds what samples tell.
+    `known` holds what samples tell, and the changes that have been met.
     """
+    told, met = known
     x_a, x_b = curve.rows[i - 1, 0], curve.rows[i, 0]
     n = 0
     for middle in range(3):
@@ -237,7 +333,12 @@ def find_changes(P, by, curve, i, told, changes):
             continue
         at_a, at_b = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
         if (at_a >= 0.0) != (at_b >= 0.0):
-            n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x_b, at_b)), middle)
+            k = row_of_met(met, i, middle)
+            if k >= 0:
+                at, q = (met[k, CHANGE_AT], met[k, CHANGE_PSI], met[k, CHANGE_RATE]), read7(row(met[k], CHANGE_POSTURE))
+                n = put_change(changes, n, Place(at, q), middle)
+            else:
+                n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x_b, at_b)), middle)
             continue
         rate_a, rate_b = rates_of_sine(P, curve, i, told, middle)
         x, at_x, found = dip_between(P, by, curve, middle, (x_a, at_a, rate_a), (x_b, at_b, rate_b))

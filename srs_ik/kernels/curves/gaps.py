@@ -10,15 +10,16 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.curves.ends import joint_beyond
-from srs_ik.kernels.curves.follow import between, put, share_of_chord
+from srs_ik.kernels.curves.follow import between, put, share_of_chord, tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.lowest import UNSURE
 from srs_ik.kernels.curves.told import UNTOLD, turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle
 
 HALVINGS = 45
@@ -155,6 +156,30 @@ def may_turn_across(P, j, end, ways, bulge):
 
 
 @kernel
+def rates_between(P, by, a, b):
+    """How fast the joints change along a curve at two of its postures, with the share of the way between these."""
+    chord = difference(a, b)
+    length = math.sqrt(dot7(chord, chord))
+    t_a, sign_a = tangent_at(P, by, a)
+    t_b, sign_b = tangent_at(P, by, b)
+    rates_a = along7(NO_SEED, math.copysign(length, dot7(t_a, chord)), t_a)
+    return rates_a, along7(NO_SEED, math.copysign(length, dot7(t_b, chord)), t_b), sign_a != 0.0 and sign_b != 0.0
+
+
+@kernel
+def stays_on_side(P, j, end, ways, rates):
+    """Whether joint j, at two angles on one side of a limit, stays there between them, as its rates at both tell.
+
+    It goes on one way, as the cubic between the two does where no rate is too fast.
+    """
+    at_a = outside_of(P, j, end, turn_to_middle(P, j, ways[0]))
+    at_b = outside_of(P, j, end, turn_to_middle(P, j, ways[1]))
+    toward = 1.0 if (end == 1) == (at_a > 0.0) else -1.0
+    begins, ends, change = toward * rates[0], toward * rates[1], abs(at_b) - abs(at_a)
+    return min(begins * ends, begins * change) > 0.0 and max(abs(begins), abs(ends)) < 3.0 * abs(change)
+
+
+@kernel
 def turn_across(P, by, a, b, joint_end):
     """The posture between two on one side of a limit, of joint j at an end, where that turns around on the other side.
 
@@ -176,9 +201,14 @@ def put_turns(P, by, start, end, bulge, turns):
     x_a, a = start
     x_b, b = end
     n = 0
+    rates_a, rates_b, told = NO_SEED, NO_SEED, False
     for k in range(14):
         j = k // 2
         if P[RANGE_KIND + j] == 0.0 or not may_turn_across(P, j, k % 2, (a[j], b[j]), bulge):
+            continue
+        if not told:
+            rates_a, rates_b, told = rates_between(P, by, a, b)
+        if told and stays_on_side(P, j, k % 2, (a[j], b[j]), (rates_a[j], rates_b[j])):
             continue
         q, found = turn_across(P, by, a, b, (j, k % 2))
         if not found:

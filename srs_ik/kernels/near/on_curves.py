@@ -17,11 +17,14 @@ from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
     CHANGE_MIDDLE,
+    MET,
     MOST_BACK,
     MOST_CHANGES,
+    MOST_MET,
     find_changes,
     goes_on,
-    posture_beside,
+    meet_changes,
+    place_beside,
     turned_back,
 )
 from srs_ik.kernels.curves.ends import inside_of_blur
@@ -39,8 +42,6 @@ from srs_ik.kernels.curves.told import (
     angle_at,
     goes_past,
     rate_along,
-    rate_at,
-    tell_one,
     tell_samples,
     turning_between,
 )
@@ -117,14 +118,13 @@ def no_curves():
 
 
 @kernel
-def put_beside(P, by, x, q, branch, n, followed):
-    """Append a posture of a branch at a parameter, and what it tells; the number of rows."""
+def put_beside(P, by, place_, branch, n, followed):
+    """Append a place of a branch; the number of rows."""
     if n >= followed.rows.shape[0]:
         return n
-    q = turned(P, q, False, NO_SEED, by.respect)
-    put_sample(followed.rows, n, x, q)
-    tell_one(P, by, q, followed.told[n])
-    followed.told[n, TOLD_BRANCH] = branch
+    put_sample(followed.rows, n, place_.at[0], turned(P, place_.q, False, NO_SEED, by.respect))
+    told = followed.told[n]
+    told[TOLD_BRANCH], told[TOLD_PSI], told[TOLD_RATE] = branch, place_.at[1], place_.at[2]
     return n + 1
 
 
@@ -134,10 +134,11 @@ def put_back(P, by, curve, place_, n, followed):
     last = followed.rows[n - 1, 0], followed.told[n - 1, TOLD_PSI], followed.told[n - 1, TOLD_RATE]
     branch = int(followed.told[n - 1, TOLD_BRANCH])
     for i in range(MOST_BACK):
-        last, q, found = turned_back(P, by, curve, last, place_, i > 0)
+        there, found = turned_back(P, by, curve, last, place_, i > 0)
         if not found:
             break
-        n = put_beside(P, by, last[0], q, branch, n, followed)
+        last = there.at
+        n = put_beside(P, by, there, branch, n, followed)
     return n
 
 
@@ -146,7 +147,8 @@ def told_runs(P, by, samples, n_samples, runs, extent):
     """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
     told = np.empty((samples.shape[0], TOLD))
     tell_samples(P, by, Samples(samples, 0, n_samples), told)
-    changes = np.empty((MOST_CHANGES, CHANGE))
+    changes, met = np.empty((MOST_CHANGES, CHANGE)), np.empty((MOST_MET, MET))
+    known = told, met[: meet_changes(P, by, samples, runs, told, met)]
     room = n_samples + 2 * MAX_SPANS
     out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), False, extent)
     n = 0
@@ -156,14 +158,14 @@ def told_runs(P, by, samples, n_samples, runs, extent):
         branch = int(told[curve.first, TOLD_BRANCH])
         for i in range(curve.first, curve.last):
             on = i == curve.first or goes_on(P, curve, i, told, told[i - 1, TOLD_RATE])
-            for c in range(0 if on else find_changes(P, by, curve, i, told, changes)):
+            for c in range(0 if on else find_changes(P, by, curve, i, known, changes)):
                 x = changes[c, CHANGE_AT]
                 inside, outside = max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0])
-                q = posture_beside(P, by, curve, changes[c], inside)
-                n = put_back(P, by, curve, (inside, angle_at(P, by, q), rate_at(P, by, q)), n, out)
-                n = put_beside(P, by, inside, q, branch, n, out)
+                there = place_beside(P, by, curve, changes[c], inside)
+                n = put_back(P, by, curve, there.at, n, out)
+                n = put_beside(P, by, there, branch, n, out)
                 branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
-                n = put_beside(P, by, outside, posture_beside(P, by, curve, changes[c], outside), branch, n, out)
+                n = put_beside(P, by, place_beside(P, by, curve, changes[c], outside), branch, n, out)
             if not on:
                 n = put_back(P, by, curve, (samples[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]), n, out)
             if n < room:
@@ -185,8 +187,7 @@ def followed_curves(P, by):
 @kernel
 def with_certainty(P, by, followed, psi):
     """Curves of which none is left out, and whether no other can pass an arm angle: none turns around close to it."""
-    out = np.empty((8, 8))
-    sure = find_at_angle(P, by, followed, psi, -1, Goal(False, NO_SEED, False), out) > CLOSE_CALL
+    sure = find_at_angle(P, by, followed, psi, -1, Goal(False, NO_SEED, False), np.empty((0, 8))) > CLOSE_CALL
     return Followed(followed.rows, followed.runs, followed.told, sure, followed.extent)
 
 
@@ -310,32 +311,35 @@ def look_between(P, by, followed, i, psi, goal, out):
     if turns == 0 and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
-    if is_here(P, by, a, ahead_a):
+    keeps = out.shape[0] > 0
+    if keeps and is_here(P, by, a, ahead_a):
         keep_found(P, by, a, branch, goal, out)
-    if is_here(P, by, b, ahead_b):
+    if keeps and is_here(P, by, b, ahead_b):
         keep_found(P, by, b, next_branch, goal, out)
     last, side = (a, ahead_a), 1.0 if rate_a > 0.0 else -1.0
     for _ in range(turns):
         turning = turning_between(P, by, a, b, side, ARM_ANGLE, (rate_a, rate_b))
         turning = inside_of_blur(P, by, turning, BLURRED)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
-        put_passing(P, by, psi, branch, (last, (turning, ahead)), goal, out)
-        if is_here(P, by, turning, ahead):
+        if keeps:
+            put_passing(P, by, psi, branch, (last, (turning, ahead)), goal, out)
+        if keeps and is_here(P, by, turning, ahead):
             keep_found(P, by, turning, branch, goal, out)
         last, side, nearest = (turning, ahead), -side, min(nearest, abs(ahead))
-    put_passing(P, by, psi, branch, (last, (b, ahead_b)), goal, out)
+    if keeps:
+        put_passing(P, by, psi, branch, (last, (b, ahead_b)), goal, out)
     return nearest
 
 
 @kernel
 def find_at_angle(P, by, followed, psi, wanted, goal, out):
-    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8).
+    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8; or none).
 
     Of one that is wanted (0 to 7), and of others only where they border on it. Returns how far the closest sample or
     turning point is, rad: farther from these, what is next to the arm angle is there too.
     """
     nearest = math.pi
-    for branch in range(8):
+    for branch in range(out.shape[0]):
         out[branch, ROW_COST] = 2.0 * NO_BRANCH
     runs, told, blur = followed.runs, followed.told, blur_of(by)
     for index in range(runs.shape[0]):
