@@ -13,20 +13,7 @@ from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import ON_LINE, STEPS, close_at_angle, elbow_across, moved
 from srs_ik.kernels.chain.starts import best_row
-from srs_ik.kernels.curves.changes import (
-    CHANGE,
-    CHANGE_AT,
-    CHANGE_MIDDLE,
-    MET,
-    MOST_BACK,
-    MOST_CHANGES,
-    MOST_MET,
-    find_changes,
-    goes_on,
-    meet_changes,
-    place_beside,
-    turned_back,
-)
+from srs_ik.kernels.curves import changes as crossing
 from srs_ik.kernels.curves.ends import inside_of_blur
 from srs_ik.kernels.curves.follow import BLURRED, between, share_of_chord, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
@@ -133,8 +120,8 @@ def put_back(P, by, curve, place_, n, followed):
     """Append postures where the arm angle goes back between the last of n rows and a place, if it does: rows."""
     last = followed.rows[n - 1, 0], followed.told[n - 1, TOLD_PSI], followed.told[n - 1, TOLD_RATE]
     branch = int(followed.told[n - 1, TOLD_BRANCH])
-    for i in range(MOST_BACK):
-        there, found = turned_back(P, by, curve, last, place_, i > 0)
+    for i in range(crossing.MOST_BACK):
+        there, found = crossing.turned_back(P, by, curve, last, place_, i > 0)
         if not found:
             break
         last = there.at
@@ -147,8 +134,8 @@ def told_runs(P, by, samples, n_samples, runs, extent):
     """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
     told = np.empty((samples.shape[0], TOLD))
     tell_samples(P, by, Samples(samples, 0, n_samples), told)
-    changes, met = np.empty((MOST_CHANGES, CHANGE)), np.empty((MOST_MET, MET))
-    known = told, met[: meet_changes(P, by, samples, runs, told, met)]
+    changes, met = np.empty((crossing.MOST_CHANGES, crossing.CHANGE)), np.empty((crossing.MOST_MET, crossing.MET))
+    known = told, met[: crossing.meet_changes(P, by, samples, runs, told, met)]
     room = n_samples + 2 * MAX_SPANS
     out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), False, extent)
     n = 0
@@ -157,15 +144,15 @@ def told_runs(P, by, samples, n_samples, runs, extent):
         runs[index, 3] = n
         branch = int(told[curve.first, TOLD_BRANCH])
         for i in range(curve.first, curve.last):
-            on = i == curve.first or goes_on(P, curve, i, told, told[i - 1, TOLD_RATE])
-            for c in range(0 if on else find_changes(P, by, curve, i, known, changes)):
-                x = changes[c, CHANGE_AT]
+            on = i == curve.first or crossing.goes_on(P, curve, i, told, told[i - 1, TOLD_RATE])
+            for c in range(0 if on else crossing.find_changes(P, by, curve, i, known, changes)):
+                x = changes[c, crossing.CHANGE_AT]
                 inside, outside = max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0])
-                there = place_beside(P, by, curve, changes[c], inside)
+                there = crossing.place_beside(P, by, curve, changes[c], inside)
                 n = put_back(P, by, curve, there.at, n, out)
                 n = put_beside(P, by, there, branch, n, out)
-                branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
-                n = put_beside(P, by, place_beside(P, by, curve, changes[c], outside), branch, n, out)
+                branch ^= bit_of(int(changes[c, crossing.CHANGE_MIDDLE]))
+                n = put_beside(P, by, crossing.place_beside(P, by, curve, changes[c], outside), branch, n, out)
             if not on:
                 n = put_back(P, by, curve, (samples[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]), n, out)
             if n < room:
