@@ -161,10 +161,13 @@ def test_what_only_looks_like_numbers_is_refused(wrong, arm, pose):
 
 
 def test_threads_are_checked_where_one_is_enough(arm):
-    for ask in (arm.posture, arm.solve_task):
-        for wrong in ("two", 0, 1.5):
-            with pytest.raises(srs_ik.SrsIkError, match="threads must be a positive integer, not"):
-                ask(TASK, threads=wrong)
+    few = [arm.forward_kinematics(Q)] * 3
+    batches = (arm.solve_batch, arm.intervals_batch, arm.reachable_batch)
+    for ask, what in [*((ask, TASK) for ask in (arm.posture, arm.solve_task)), *((ask, few) for ask in batches)]:
+        for wrong in ("two", 0, -1, 1.5, True):
+            with pytest.raises(ValueError, match="threads must be a positive integer, not") as caught:
+                ask(what, threads=wrong)
+            assert isinstance(caught.value, srs_ik.InvalidConfiguration)
 
 
 def test_texts_are_no_poses(arm):
