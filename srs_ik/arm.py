@@ -282,7 +282,7 @@ class Arm(BodyOwner):
 
         Args:
             q0: (7,) joint angles to begin with, at rest, rad.
-            dt: seconds between two updates.
+            dt: seconds between two updates, 1e-6 to 100.
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; inf for none, where a
                 joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.1 s.

@@ -267,8 +267,8 @@ def seed_of(seeds: Array, i: int) -> Array | None:
 
 
 def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = InvalidConfiguration) -> float:
-    """A finite number above zero; raises the error, in which `what` names it, for anything else."""
-    number = real_number(value)
+    """A finite number above zero; raises the error, in which `what` names it, for anything else, True among it."""
+    number = math.nan if isinstance(value, bool | np.bool_) else real_number(value)
     if not 0.0 < number < math.inf:
         raise error(f"{what} must be a positive number of {unit}, not {value!r:.40}")
     return number
