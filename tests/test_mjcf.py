@@ -127,6 +127,22 @@ def test_joints_that_are_tied_are_no_joints_of_a_limb(constraint, tied, tmp_path
     assert len(srs_ik.find_limbs(path)) == (not tied)
 
 
+def test_the_world_has_the_name_that_mujoco_gives_it(tmp_path):
+    path = write({"main.xml": arm()}, tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    data.qpos = [0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]
+    mujoco.mj_kinematics(model, data)
+    world = model.body(0).name
+    found = srs_ik.load(path, base=world)
+    assert found.base == srs_ik.load(path).base == srs_ik.find_limbs(path)[0].base == world
+    assert found.forward_kinematics(data.qpos).translation == pytest.approx(data.body("l7").xpos, abs=1e-12)
+    with pytest.raises(srs_ik.FrameNotFound) as caught:
+        srs_ik.load(path, base="wrold")
+    assert world in caught.value.available
+    assert "did you mean 'world'" in str(caught.value)
+
+
 def test_several_joints_of_one_body_are_a_shoulder(tmp_path):
     """As in models of people: three joints at one place, on one body."""
     shoulder = "".join(f'<joint name="j{k}" axis="{AXES[axis]}" range="-2 2"/>' for k, axis in enumerate("zyz", 1))
