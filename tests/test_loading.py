@@ -329,6 +329,26 @@ def test_a_chain_that_is_too_short_and_interrupted_by_nothing_has_no_reason():
         load(robot(serial_arm("z y z y z y", "0 0 .3 0 .3 0")))
 
 
+def test_limits_that_look_like_degrees_are_noted():
+    def of(lower, upper):
+        return robot(serial_arm().replace('lower="-2" upper="2"', f'lower="{lower}" upper="{upper}"', 2))
+
+    (report,) = find_limbs(of(-120, 120))
+    said = (
+        "limits are in radians, and those of j1, j2 are up to 240 rad apart, more than 16 turns: they look like degrees"
+    )
+    assert report.note == said
+    assert report.describe().endswith(f"; {said}.")
+    for lower, upper in ((-2.0, 2.0), (-2 * np.pi, 2 * np.pi), (-50.0, 50.0), (-1e4, 1e4), (-1e9, 1e9)):
+        assert find_limbs(of(lower, upper))[0].note == ""
+    six = serial_arm("z y z y z y", "0 0 .3 0 .3 0")
+    hinge = '<axis xyz="1 0 0"/><limit lower="-120" upper="120" effort="1" velocity="1"/>'
+    fingers = "".join(f'<link name="f{k}"/>' + joint_xml(f"f{k}_joint", "l6", f"f{k}", inside=hinge) for k in (1, 2))
+    (report,) = find_limbs(robot(six, fingers))
+    first = "preferred to chains that share joints with it: l0 -> f1; limits are in radians, and those of f2_joint are"
+    assert report.note.startswith(first)
+
+
 # load: from what
 
 

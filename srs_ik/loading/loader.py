@@ -13,7 +13,7 @@ from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLim
 from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
 from srs_ik.robot.arguments import check_path, check_texts
-from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh
+from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_odd_limits_noted
 from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
 from srs_ik.robot.description.srdf import chain_of
@@ -138,7 +138,7 @@ def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None, allow_x
     description = describe(source, xacro_args=xacro_args, allow_xacro=allow_xacro)
     skeleton = Skeleton(description.robot.model)
     candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
-    return [candidate.report for candidate in weigh(candidates, skeleton)]
+    return [with_odd_limits_noted(description, skeleton, candidate) for candidate in weigh(candidates, skeleton)]
 
 
 def _choose(

@@ -74,6 +74,13 @@ class Skeleton:
         """True if a joint turns about one fixed axis, with or without stops."""
         return self._revolute[joint]
 
+    def limits(self, joint: int) -> tuple[float, float]:
+        """The position limits of a revolute joint, rad; infinite where it is continuous."""
+        k = self.model.joints[joint].idx_q
+        if self.model.joints[joint].nq != 1:
+            return -np.inf, np.inf
+        return float(self.model.lowerPositionLimit[k]), float(self.model.upperPositionLimit[k])
+
     def what_is(self, joint: int) -> str:
         """What a joint that is not revolute is, as a clause."""
         return "is prismatic" if self.model.joints[joint].shortname().startswith(_PRISMATIC) else "is not revolute"
