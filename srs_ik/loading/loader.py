@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
+from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed, quoted
 from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
 from srs_ik.robot.arguments import check_path, check_texts
@@ -176,7 +176,7 @@ def _meant(description: Description, limbs: Sequence[Candidate], word: str) -> l
         tips = listed([candidate.report.tip for candidate in limbs])
         source = description.robot.source
         raise NotAnSrsLimb(
-            f"{source}: no arm of {description.name!r} has {word!r} in its names; the arms end at {tips}"
+            f"{source}: no arm of {description.name!r} has {quoted(word)} in its names; the arms end at {tips}"
         )
     return found
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, MissingLimits
+from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.numbers import real_array, real_number
@@ -244,7 +244,8 @@ class Tracker(Fixed):
     def smoothing(self, seconds: float | None) -> None:
         self._smoothing = None if seconds is None else real_number(seconds)
         if self._smoothing is not None and not 0.0 <= self._smoothing < math.inf:
-            raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, or None, not {seconds!r:.40}")
+            given = quoted(seconds)
+            raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, or None, not {given}")
         self._settings[at.SMOOTHING] = at.MEASURED if self._smoothing is None else self._smoothing
 
     @property
