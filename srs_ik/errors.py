@@ -17,8 +17,6 @@ from typing import Any
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-import numpy as np
-
 from srs_ik.system import bounds
 
 _LISTED = 40
@@ -221,7 +219,8 @@ class _Spelling(reprlib.Repr):
     """Numbers and small arrays of NumPy as those of Python: np.float64(0.0) is 0.0 to whoever reads a message."""
 
     def repr_instance(self, x: Any, level: int) -> str:
-        small = isinstance(x, np.generic) or (isinstance(x, np.ndarray) and x.size <= _SPELLED)
+        # Told by their module: to import NumPy would make every start of the command line wait.
+        small = type(x).__module__ == "numpy" and getattr(x, "size", math.inf) <= _SPELLED
         plain = x.tolist() if small else x
         return super().repr_instance(x, level) if isinstance(plain, type(x)) else self.repr1(plain, level)
 
