@@ -195,8 +195,8 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
-            InvalidConfiguration: seed, arm angle or branch are malformed, or all branches are asked for without an arm
-                angle.
+            InvalidConfiguration: seed, arm angle, branch or threads are malformed, or all branches are asked for
+                without an arm angle.
             InvalidTask: no free axis, or one beside what it does not go with.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
@@ -282,7 +282,7 @@ class Arm(BodyOwner):
 
         Args:
             q0: (7,) joint angles to begin with, at rest, rad.
-            dt: seconds between two updates.
+            dt: seconds between two updates, 1e-6 to 100.
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; inf for none, where a
                 joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.1 s.
@@ -354,6 +354,7 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
+            InvalidConfiguration: `threads` is no positive integer.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
@@ -371,6 +372,7 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
+            InvalidConfiguration: `threads` is no positive integer.
         """
         from srs_ik.solve.reachable import reachable_batch
 
@@ -474,6 +476,7 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidTask: no `Task`, or another side or tie.
+            InvalidConfiguration: `threads` is no positive integer.
         """
         from srs_ik.solve.posture import posture
 
@@ -517,7 +520,7 @@ class Arm(BodyOwner):
         Raises:
             InvalidTask: no `Task`, another side or tie, an arm whose hand is not known (see `load`), or a free axis and
                 a hand whose rotation the task does not say.
-            InvalidConfiguration: a malformed seed.
+            InvalidConfiguration: a malformed seed or number of threads.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
@@ -541,7 +544,7 @@ class Arm(BodyOwner):
             threads: at most so many; all processors if not given.
 
         Raises:
-            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+            InvalidConfiguration: not N times 7 finite angles, one beyond 1e6 rad, or a malformed number of threads.
         """
         return kinematics.forward_kinematics_batch(self.packed, q, threads)
 
@@ -553,7 +556,7 @@ class Arm(BodyOwner):
             threads: at most so many; all processors if not given.
 
         Raises:
-            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+            InvalidConfiguration: not N times 7 finite angles, one beyond 1e6 rad, or a malformed number of threads.
         """
         return kinematics.jacobian_batch(self.packed, q, threads)
 

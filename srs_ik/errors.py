@@ -22,6 +22,9 @@ from srs_ik.system import bounds
 _LISTED = 40
 """Longest list of names that is spelled out in a message; the fields of an error always hold all of them."""
 
+_SPELLED = 16
+"""Figures of an array that a message spells as a list, as far as it has room."""
+
 _LONGEST = 2000
 """Characters of a message."""
 
@@ -201,9 +204,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 def quoted(value: object) -> str:
     """A name or value in quotation marks, on one line, cut short where it is long."""
-    return (
-        repr(_shortened(value, bounds.SHOWN)) if isinstance(value, str) else _shortened(_spelled(value), bounds.SHOWN)
-    )
+    if isinstance(value, str):
+        return repr(_shortened(str(value), bounds.SHOWN))
+    return _shortened(_spelled(value), bounds.SHOWN)
 
 
 def listed(names: Sequence[str]) -> str:
@@ -212,9 +215,19 @@ def listed(names: Sequence[str]) -> str:
     return shown if len(names) <= _LISTED else f"{shown} and {len(names) - _LISTED} more"
 
 
+class _Spelling(reprlib.Repr):
+    """Numbers and small arrays of NumPy as those of Python: np.float64(0.0) is 0.0 to whoever reads a message."""
+
+    def repr_instance(self, x: Any, level: int) -> str:
+        # Told by their module: to import NumPy would make every start of the command line wait.
+        small = type(x).__module__ == "numpy" and getattr(x, "size", math.inf) <= _SPELLED
+        plain = x.tolist() if small else x
+        return super().repr_instance(x, level) if isinstance(plain, type(x)) else self.repr1(plain, level)
+
+
 def _spelled(value: object) -> str:
     try:
-        return reprlib.repr(value)
+        return _Spelling().repr(value)
     except Exception:
         # Python writes no whole number of more than 4300 digits, and an object may write itself as it likes.
         return f"an object of type {type(value).__name__}"

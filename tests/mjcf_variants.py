@@ -340,7 +340,7 @@ def compared(path: Path, seed: int) -> str:
     for _ in range(3):
         _compare_poses(ours.model, theirs, rng)
     _compare_limits(ours.model, theirs)
-    _compare_ties(ours.mimic_joints, theirs)
+    _compare_ties(frozenset(ours.mimic_joints), theirs)
     return "agrees"
 
 

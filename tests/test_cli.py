@@ -281,7 +281,7 @@ def test_a_reader_that_leaves_early_is_no_error():
         ["bash", "-c", f"{command} | true; echo ${{PIPESTATUS[0]}}"], capture_output=True, text=True, timeout=300
     )
     assert result.stderr == ""
-    assert result.stdout.strip() in {"0", "1"}
+    assert result.stdout.strip() in {"0", "141"}
 
 
 @pytest.mark.slow

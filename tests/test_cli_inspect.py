@@ -83,6 +83,16 @@ def test_inspect_says_where_a_chain_forks_and_which_is_the_longest(tmp_path):
     assert "no chain of 7 consecutive revolute joints; the longest has 6: j1" in result.stderr
 
 
+def test_inspect_asks_whether_limits_are_degrees(tmp_path):
+    path = tmp_path / "degrees.urdf"
+    limits = serial_arm().replace('lower="-2" upper="2"', 'lower="-120" upper="120"')
+    path.write_text(f'<robot name="arm">{limits}</robot>')
+    for words in ([], ["--base", "l0"]):
+        said = " ".join(run("inspect", str(path), *words).stdout.split())
+        assert "240 rad apart, more than 16 turns: they look like degrees" in said
+        assert "they look like degrees" in answer("inspect", str(path), *words)["limbs"][0]["note"]
+
+
 def test_inspect_with_a_tip_looks_at_that_chain_alone():
     card = zoo.card("iiwa14")
     (limb,) = answer("inspect", str(card.urdf), "--base", card.base, "--tip", card.tip)["limbs"]

@@ -199,7 +199,7 @@ def test_limbs_come_before_chains_that_are_none():
 def test_mimicking_joints_are_no_joints_of_a_limb():
     xml = robot(serial_arm().replace("</joint>", '<mimic joint="j1"/></joint>'))
     assert find_limbs(xml) == []
-    with pytest.raises(NotAnSrsLimb, match="j7 mimics another joint"):
+    with pytest.raises(NotAnSrsLimb, match=r"\(j1 mimics j1, j2 mimics j1, .* j7 mimics j1\)"):
         load(xml, tip="l7")
 
 
@@ -269,7 +269,7 @@ def test_ends_without_seven_joints_between_them(ends, says):
 
 def test_a_sliding_joint_within_the_arm_is_named():
     xml = robot(serial_arm(kinds={4: "prismatic"}))
-    with pytest.raises(NotAnSrsLimb, match=r"j4 is not revolute") as raised:
+    with pytest.raises(NotAnSrsLimb, match=r"j4 is prismatic") as raised:
         load(xml, base="l0", tip="l7")
     assert len(raised.value.joint_names) == 7
     with pytest.raises(NotAnSrsLimb, match="'small' has no chain of 7 consecutive revolute joints"):
@@ -310,9 +310,43 @@ def test_an_arm_of_six_joints_with_fingers_is_told_where_it_forks():
 
 
 def test_the_longest_chain_is_named_where_none_is_long_enough():
-    with pytest.raises(NotAnSrsLimb, match="the longest has 5: j1, j2, j3, j4, j5") as raised:
+    says = "the longest has 5: j1, j2, j3, j4, j5; j6 after them is prismatic$"
+    with pytest.raises(NotAnSrsLimb, match=says) as raised:
         load(robot(serial_arm(kinds={6: "prismatic"})))
     assert raised.value.joint_names == ("j1", "j2", "j3", "j4", "j5")
+
+
+@pytest.mark.parametrize(("mimic", "why"), [('<mimic joint="j1"/>', "j1"), ("<mimic/>", "another joint")])
+def test_the_joint_that_interrupts_a_chain_is_named(mimic, why):
+    joints = serial_arm().split("</joint>")
+    joints[2] += mimic
+    with pytest.raises(NotAnSrsLimb, match=f"the longest has 4: j4, j5, j6, j7; j3 before them mimics {why}$"):
+        load(robot("</joint>".join(joints)))
+
+
+def test_a_chain_that_is_too_short_and_interrupted_by_nothing_has_no_reason():
+    with pytest.raises(NotAnSrsLimb, match=r"the longest has 6: j1, j2, j3, j4, j5, j6$"):
+        load(robot(serial_arm("z y z y z y", "0 0 .3 0 .3 0")))
+
+
+def test_limits_that_look_like_degrees_are_noted():
+    def of(lower, upper):
+        return robot(serial_arm().replace('lower="-2" upper="2"', f'lower="{lower}" upper="{upper}"', 2))
+
+    (report,) = find_limbs(of(-120, 120))
+    said = (
+        "limits are in radians, and those of j1, j2 are up to 240 rad apart, more than 16 turns: they look like degrees"
+    )
+    assert report.note == said
+    assert report.describe().endswith(f"; {said}.")
+    for lower, upper in ((-2.0, 2.0), (-2 * np.pi, 2 * np.pi), (-50.0, 50.0), (-1e4, 1e4), (-1e9, 1e9)):
+        assert find_limbs(of(lower, upper))[0].note == ""
+    six = serial_arm("z y z y z y", "0 0 .3 0 .3 0")
+    hinge = '<axis xyz="1 0 0"/><limit lower="-120" upper="120" effort="1" velocity="1"/>'
+    fingers = "".join(f'<link name="f{k}"/>' + joint_xml(f"f{k}_joint", "l6", f"f{k}", inside=hinge) for k in (1, 2))
+    (report,) = find_limbs(robot(six, fingers))
+    first = "preferred to chains that share joints with it: l0 -> f1; limits are in radians, and those of f2_joint are"
+    assert report.note.startswith(first)
 
 
 # load: from what

@@ -160,8 +160,8 @@ def test_a_fixed_joint_may_have_an_axis_without_direction_and_no_limit():
 
 def test_mimicking_joints_are_named():
     inside = AXIS + LIMIT + '<mimic joint="second" multiplier="-1"/>'
-    assert load_model(two_joints(inside)).mimic_joints == {"first"}
-    assert load_model(two_joints(inside, "fixed")).mimic_joints == frozenset()
+    assert load_model(two_joints(inside)).mimic_joints == {"first": "mimics second"}
+    assert load_model(two_joints(inside, "fixed")).mimic_joints == {}
 
 
 def test_an_inertia_without_mass_or_matrix_is_none():

@@ -1,5 +1,6 @@
 """Things of the wrong kind are refused in one sentence, wherever arguments of that kind are taken."""
 
+import re
 import warnings
 
 import arms
@@ -161,10 +162,13 @@ def test_what_only_looks_like_numbers_is_refused(wrong, arm, pose):
 
 
 def test_threads_are_checked_where_one_is_enough(arm):
-    for ask in (arm.posture, arm.solve_task):
-        for wrong in ("two", 0, 1.5):
-            with pytest.raises(srs_ik.SrsIkError, match="threads must be a positive integer, not"):
-                ask(TASK, threads=wrong)
+    few = [arm.forward_kinematics(Q)] * 3
+    batches = (arm.solve_batch, arm.intervals_batch, arm.reachable_batch)
+    for ask, what in [*((ask, TASK) for ask in (arm.posture, arm.solve_task)), *((ask, few) for ask in batches)]:
+        for wrong in ("two", 0, -1, 1.5, True):
+            with pytest.raises(ValueError, match="threads must be a positive integer, not") as caught:
+                ask(what, threads=wrong)
+            assert isinstance(caught.value, srs_ik.InvalidConfiguration)
 
 
 def test_texts_are_no_poses(arm):
@@ -207,3 +211,24 @@ def test_parts_are_texts(arm):
             with pytest.raises(srs_ik.InvalidTask, match="part is 'linear', 'angular' or 'full'") as caught:
                 call(arm, Q, part=wrong)
             assert len(str(caught.value)) < 400
+
+
+def test_messages_show_the_numbers_of_numpy_as_those_of_python(arm, pose):
+    number, one = np.float64, np.int64(1)
+    for call, said in (
+        (lambda: srs_ik.Scene().add_box("c0", np.eye(4), [1, 1, 0]), "not 0.0"),
+        (lambda: srs_ik.Scene().add_sphere("c0", [0, 0, 0], number(-1.5)), "not -1.5"),
+        (lambda: arm.solve(pose, arm_angle=number("nan")), "not nan"),
+        (lambda: arm.self_motion(pose, count=one), "not 1"),
+        (lambda: arm.tracker(Q, number(-1)), "not -1.0"),
+        (lambda: arm.tracker(Q, 0.01, smoothing=number(-1)), "not -1.0"),
+        (lambda: arm.solve(pose, respect_limits=one), "not 1"),
+        (lambda: arm.optimise(pose, np.str_("nix")), "objective 'nix'"),
+        (lambda: srs_ik.FreeAxis([0, 0, 1], cone=number(7)), "not 7.0"),
+        (lambda: srs_ik.pose_from_xyz_rpy([number(1)] * 2, [0, 0, 0]), "not [1.0, 1.0]"),
+        (lambda: arm.with_base(np.eye(4), gravity=np.longdouble(2)), "2.0"),
+    ):
+        with pytest.raises(srs_ik.SrsIkError) as caught:
+            call()
+        assert said in str(caught.value)
+        assert not re.search(r"np\.(float|int|str|bool)", str(caught.value))

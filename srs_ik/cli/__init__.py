@@ -6,12 +6,18 @@ import contextlib
 import os
 import sys
 
+EXIT_NO_SOLUTION = 1
+EXIT_WRONG_INPUT = 2
+EXIT_INTERRUPTED = 130
+EXIT_BROKEN_PIPE = 141
+"""What a shell says of a program that SIGPIPE ended: the reader of a pipe had seen enough."""
+
 
 def main() -> None:
     """Run `srs-ik` with the arguments of this process, and exit.
 
     The exit status is 0 on success, 1 where there is no solution or no S-R-S limb, 2 for wrong input (with one line on
-    standard error), 130 after an interruption.
+    standard error), 130 after an interruption, 141 where the reader of a pipe left.
     """
     _open_closed_streams()
     try:
@@ -26,7 +32,9 @@ def main() -> None:
         warn_in_one_line()
         app(prog_name="srs-ik")
     except KeyboardInterrupt:
-        sys.exit(130)
+        sys.exit(EXIT_INTERRUPTED)
+    except BrokenPipeError:
+        sys.exit(EXIT_BROKEN_PIPE)
     finally:
         _close_quietly()
 
@@ -47,6 +55,8 @@ def _close_quietly() -> None:
     """Flush standard output; if it cannot take the rest, let Python not say so a second time at exit."""
     try:
         sys.stdout.flush()
-    except OSError:
+    except OSError as error:
         with contextlib.suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            sys.exit(EXIT_BROKEN_PIPE)

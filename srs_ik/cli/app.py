@@ -11,6 +11,8 @@ from typer.core import TyperGroup
 
 from srs_ik import __version__
 from srs_ik.cli import (
+    EXIT_BROKEN_PIPE,
+    EXIT_WRONG_INPUT,
     bench,
     ellipsoids,
     fk,
@@ -30,9 +32,6 @@ from srs_ik.cli import (
 )
 from srs_ik.cli.options import ExampleCommand, NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
-
-EXIT_NO_SOLUTION = 1
-EXIT_WRONG_INPUT = 2
 
 _HAND_OPTION = (
     "give its grasp and pronosupination direction there, --hand GX GY GZ PX PY PZ; "
@@ -54,9 +53,9 @@ class OneLineGroup(TyperGroup):
         standalone_mode = options.pop("standalone_mode", True)
         try:
             result = super().main(*args, **{**options, "standalone_mode": False})
-        except BrokenPipeError:
-            # The reader of a pipe has seen enough.
-            result = EXIT_NO_SOLUTION
+        except SystemExit:
+            # Without its standalone mode the base class does so only where the reader of a pipe has seen enough.
+            result = EXIT_BROKEN_PIPE
         except Exception as error:
             line = _wrong_input(error)
             if line is None or not standalone_mode:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from srs_ik.cli import EXIT_NO_SOLUTION
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput, warn
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def inspect(
     if not findings:
         warn(f"{_why_nothing(source, reading)}.")
     if not accepted:
-        raise typer.Exit(1)
+        raise typer.Exit(EXIT_NO_SOLUTION)
 
 
 def _arguments(words: list[str]) -> dict[str, str] | None:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 from typer.core import TyperCommand
 
+from srs_ik.cli import EXIT_NO_SOLUTION
 from srs_ik.cli.examples import with_examples
 
 Three = tuple[str, str, str]
@@ -63,7 +64,7 @@ def warn(text: str) -> None:
 def fail(text: str) -> NoReturn:
     """Print one line on standard error about what was not found, and leave with exit status 1."""
     warn(text)
-    raise typer.Exit(1)
+    raise typer.Exit(EXIT_NO_SOLUTION)
 
 
 class ExampleCommand(TyperCommand):

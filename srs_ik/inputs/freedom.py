@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidTask
+from srs_ik.errors import InvalidTask, quoted
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, FREEDOM
 
@@ -70,7 +70,7 @@ class FreeAxis:
         if math.pi < self.cone < math.pi + WRITTEN_PI:
             self.cone = math.pi
         if not 0.0 <= self.cone <= math.pi:
-            raise InvalidTask(f"the cone of a free axis must be an angle from 0 to pi rad, not {cone!r:.40}")
+            raise InvalidTask(f"the cone of a free axis must be an angle from 0 to pi rad, not {quoted(cone)}")
 
     @cached_property
     def packed(self) -> Array:
@@ -134,7 +134,7 @@ def as_free_axis(value: Any) -> FreeAxis:
     if isinstance(value, str):
         if value == ANY:
             return _position_alone()
-        raise InvalidTask(f'free_axis must be a direction in the tip frame, "{ANY}" or a FreeAxis, not {value!r:.40}')
+        raise InvalidTask(f'free_axis must be a direction in the tip frame, "{ANY}" or a FreeAxis, not {quoted(value)}')
     return FreeAxis(value)
 
 

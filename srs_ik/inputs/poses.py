@@ -267,10 +267,10 @@ def seed_of(seeds: Array, i: int) -> Array | None:
 
 
 def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = InvalidConfiguration) -> float:
-    """A finite number above zero; raises the error, in which `what` names it, for anything else."""
-    number = real_number(value)
+    """A finite number above zero; raises the error, in which `what` names it, for anything else, True among it."""
+    number = math.nan if isinstance(value, bool | np.bool_) else real_number(value)
     if not 0.0 < number < math.inf:
-        raise error(f"{what} must be a positive number of {unit}, not {value!r:.40}")
+        raise error(f"{what} must be a positive number of {unit}, not {quoted(value)}")
     return number
 
 
@@ -286,7 +286,7 @@ def as_gravity(gravity: ArrayLike) -> Array:
         array = np.empty(0)
     if array.shape != (3,) or not np.abs(array).max() <= LARGEST_GRAVITY:
         usual = f"m/s^2, up to {LARGEST_GRAVITY:g}, such as [0, 0, -9.81]"
-        raise InvalidConfiguration(f"gravity must be 3 numbers, {usual}, not {gravity!r:.40}")
+        raise InvalidConfiguration(f"gravity must be 3 numbers, {usual}, not {quoted(gravity)}")
     return array
 
 
@@ -294,7 +294,7 @@ def as_arm_angle(arm_angle: float) -> float:
     """A finite arm angle up to `LARGEST_ANGLE`; raises InvalidConfiguration for anything else."""
     value = real_number(arm_angle)
     if not abs(value) <= LARGEST_ANGLE:
-        given = f"{arm_angle!r:.40}"
+        given = quoted(arm_angle)
         raise InvalidConfiguration(
             f"the arm angle must be a finite number of radians, up to {LARGEST_ANGLE:g}, not {given}"
         )

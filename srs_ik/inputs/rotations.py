@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidPose
+from srs_ik.errors import InvalidPose, quoted
 from srs_ik.inputs.numbers import real_array
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ def warn_of_degrees(what: str, rpy: Iterable[float]) -> None:
 def checked_order(order: Any) -> Order:
     """The order of a quaternion, "xyzw" or "wxyz"; raises InvalidPose for any other."""
     if not isinstance(order, str) or order not in _TO_XYZW:
-        raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r:.40}")
+        raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {quoted(order)}")
     return cast(Order, order)
 
 
@@ -85,5 +85,5 @@ def _numbers(values: ArrayLike, count: int, what: str) -> Array:
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (count,) or not np.isfinite(array).all():
-        raise InvalidPose(f"{what} is {count} finite numbers, not {values!r}"[:200])
+        raise InvalidPose(f"{what} is {count} finite numbers, not {quoted(values)}")
     return array

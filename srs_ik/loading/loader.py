@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
+from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed, quoted
 from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
 from srs_ik.robot.arguments import check_path, check_texts
-from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh
+from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_odd_limits_noted
 from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
 from srs_ik.robot.description.srdf import chain_of
@@ -138,7 +138,7 @@ def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None, allow_x
     description = describe(source, xacro_args=xacro_args, allow_xacro=allow_xacro)
     skeleton = Skeleton(description.robot.model)
     candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
-    return [candidate.report for candidate in weigh(candidates, skeleton)]
+    return [with_odd_limits_noted(description, skeleton, candidate) for candidate in weigh(candidates, skeleton)]
 
 
 def _choose(
@@ -176,7 +176,7 @@ def _meant(description: Description, limbs: Sequence[Candidate], word: str) -> l
         tips = listed([candidate.report.tip for candidate in limbs])
         source = description.robot.source
         raise NotAnSrsLimb(
-            f"{source}: no arm of {description.name!r} has {word!r} in its names; the arms end at {tips}"
+            f"{source}: no arm of {description.name!r} has {quoted(word)} in its names; the arms end at {tips}"
         )
     return found
 
@@ -196,16 +196,17 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
     mimic, source = description.robot.mimic_joints, description.robot.source
     if tip is None:
         where = f"{description.name!r}" if base is None else f"what hangs on {base!r}"
-        run = [skeleton.joint_names[joint] for joint in skeleton.longest_run(mimic)] if base is None else []
-        longest = f"; the longest has {len(run)}: {listed(run)}" if run else ""
-        return NotAnSrsLimb(f"{source}: {where} has no chain of 7 consecutive revolute joints{longest}", run)
+        run = skeleton.longest_run(mimic) if base is None else ()
+        names = [skeleton.joint_names[joint] for joint in run]
+        longest = f"; the longest has {len(run)}: {listed(names)}{_interrupted(skeleton, mimic, run)}" if run else ""
+        return NotAnSrsLimb(f"{source}: {where} has no chain of 7 consecutive revolute joints{longest}", names)
     joints = _way(skeleton, base, tip)
     names = [skeleton.joint_names[joint] for joint in joints]
     where = f"between base {base!r} and tip {tip!r}" if base is not None else f"on the way to the tip {tip!r}"
     found = f"{len(names)} moving joint{'s' if len(names) != 1 else ''}" if names else "no moving joint"
     message = f"{where} there are no 7 consecutive revolute joints, but {found}"
     others = [
-        f"{name} mimics another joint" if name in mimic else f"{name} is not revolute"
+        f"{name} {mimic.get(name) or skeleton.what_is(joint)}"
         for name, joint in zip(names, joints, strict=True)
         if name in mimic or not skeleton.is_revolute(joint)
     ]
@@ -214,6 +215,17 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
     if base is not None and len(skeleton.joints_between(tip, base)) >= 7:
         message += "; base and tip are perhaps swapped"
     return NotAnSrsLimb(f"{source}: {message}", names)
+
+
+def _interrupted(skeleton: Skeleton, mimic: Mapping[str, str], run: Sequence[int]) -> str:
+    """What keeps revolute joints in a row from going on, at either end, as a clause; empty if the robot ends there."""
+    before, after = skeleton.path(run[0])[-2:-1], skeleton.hanging_on(run[-1])
+    said = ""
+    # Several after them are a hand.
+    for joint, where in [*((k, "before") for k in before), *((k, "after") for k in after if len(after) == 1)]:
+        name = skeleton.joint_names[joint]
+        said += f"; {listed([name])} {where} them {mimic.get(name) or skeleton.what_is(joint)}"
+    return said
 
 
 def _refused(description: Description, candidates: Sequence[Candidate]) -> NotAnSrsLimb:

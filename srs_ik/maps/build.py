@@ -132,6 +132,7 @@ def build_map(
 
     Raises:
         InvalidMap: the arguments fit no map, or the folder holds another one.
+        InvalidConfiguration: `threads` is no positive integer.
         InvalidScene: this is no scene.
         NoBodies: with a scene, no shapes of the arm are at hand.
         MissingExtra: Zarr is not installed.

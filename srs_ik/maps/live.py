@@ -52,6 +52,7 @@ def measures_of(
 
     Raises:
         InvalidPose: a pose is no finite rigid transform.
+        InvalidConfiguration: `threads` is no positive integer.
         InvalidMap: there is no measure of that name, or its scene or task is missing.
         InvalidScene: this is no scene.
     """
@@ -93,6 +94,7 @@ def yaw_arcs(arm: Arm, poses: Any, threads: int | None = None) -> list[Array]:
 
     Raises:
         InvalidPose: a pose is no finite rigid transform.
+        InvalidConfiguration: `threads` is no positive integer.
         InvalidMap: joint 1 has so narrow a range that there may be more than 16 arcs.
     """
     check_arm(arm)

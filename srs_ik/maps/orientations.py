@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap
+from srs_ik.errors import InvalidMap, quoted
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -67,7 +67,9 @@ def orientations_of(count: int) -> Orientations:
         if isinstance(count, int) and 0 < count <= MOST and count % (12 * 4**k) == 0
     ]
     if not grids:
-        raise InvalidMap(f"a grid of orientations has 12 x 4^k x rolls of them, up to {MOST:,}; {count!r:.40} is none")
+        raise InvalidMap(
+            f"a grid of orientations has 12 x 4^k x rolls of them, up to {MOST:,}; {quoted(count)} is none"
+        )
     return min(grids, key=lambda grid: abs(math.log(TURN / grid.rolls / grid.spacing)))
 
 

@@ -93,6 +93,7 @@ def base_placement(
 
     Raises:
         InvalidPose: a pose or candidate is no finite rigid transform.
+        InvalidConfiguration: `threads` is no positive integer.
         InvalidTask: there is no pose or no candidate, or another measure.
     """
     check_arm(arm)

@@ -182,7 +182,7 @@ def checked_measures(measures: Any, scene: bool = False, task: bool = False) -> 
     for name in wanted:
         if name not in MEASURES:
             hint = did_you_mean(name, MEASURES)
-            raise InvalidMap(f"there is no measure {name!r:.40}{hint}; there are {', '.join(MEASURES)}")
+            raise InvalidMap(f"there is no measure {quoted(name)}{hint}; there are {', '.join(MEASURES)}")
     return tuple(name for name in MEASURES if name in wanted)
 
 

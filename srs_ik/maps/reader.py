@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap, InvalidPose
+from srs_ik.errors import InvalidMap, InvalidPose, quoted
 from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.kinematics import check_arm
@@ -135,7 +135,7 @@ class Map:
 
     def _check(self, name: str) -> None:
         if not isinstance(name, str) or name not in self.store.names:
-            raise InvalidMap(f"{self.path} has no measure {name!r:.40}; it has {', '.join(self.store.names)}")
+            raise InvalidMap(f"{self.path} has no measure {quoted(name)}; it has {', '.join(self.store.names)}")
 
     # Poses ------------------------------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.errors import InvalidMap
+from srs_ik.errors import InvalidMap, quoted
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.maps.live import yaw_arcs
 from srs_ik.maps.plan import FREE, RATIO, YAW
@@ -46,7 +46,7 @@ def plot_map(chart: Map, name: str = "reached", at: float = 0.0) -> Figure:
         MissingExtra: Matplotlib is not installed.
     """
     if name not in _LABELS:
-        raise InvalidMap(f"there is no picture of {name!r:.40}, but of {', '.join(_LABELS)}")
+        raise InvalidMap(f"there is no picture of {quoted(name)}, but of {', '.join(_LABELS)}")
     values, extent, labels = _slice(chart, name, at)
     figure = new_figure(5.2, 6.0 if chart.plan.grid.kind == "half-plane" else 5.2)
     axes = figure.add_subplot()

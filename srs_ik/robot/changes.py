@@ -126,7 +126,7 @@ def _add_frame(model: Any, joint: int, parent: int, placement: Any, name: str | 
     if name is None:
         name = next(n for n in (default, *(f"{default}_{k}" for k in range(2, len(taken) + 3))) if n not in taken)
     elif not isinstance(name, str) or not name:
-        raise InvalidRobot(f"the name of a frame is text, not {name!r:.40}", model.name)
+        raise InvalidRobot(f"the name of a frame is text, not {quoted(name)}", model.name)
     elif name in taken:
         raise InvalidRobot(f"{model.name!r} has a frame {name!r} already; choose another name", model.name)
     return name, model.addFrame(pin.Frame(name, joint, parent, placement, pin.FrameType.OP_FRAME))

@@ -14,6 +14,7 @@ from srs_ik.robot.limb import Vector
 
 _REVOLUTE = ("JointModelRX", "JointModelRY", "JointModelRZ", "JointModelRevoluteUnaligned")
 _CONTINUOUS = ("JointModelRUBX", "JointModelRUBY", "JointModelRUBZ", "JointModelRevoluteUnboundedUnaligned")
+_PRISMATIC = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismatic")
 
 _FRAME_PREFERENCE = (
     pin.FrameType.BODY,
@@ -72,6 +73,17 @@ class Skeleton:
     def is_revolute(self, joint: int) -> bool:
         """True if a joint turns about one fixed axis, with or without stops."""
         return self._revolute[joint]
+
+    def limits(self, joint: int) -> tuple[float, float]:
+        """The position limits of a revolute joint, rad; infinite where it is continuous."""
+        k = self.model.joints[joint].idx_q
+        if self.model.joints[joint].nq != 1:
+            return -np.inf, np.inf
+        return float(self.model.lowerPositionLimit[k]), float(self.model.upperPositionLimit[k])
+
+    def what_is(self, joint: int) -> str:
+        """What a joint that is not revolute is, as a clause."""
+        return "is prismatic" if self.model.joints[joint].shortname().startswith(_PRISMATIC) else "is not revolute"
 
     def hanging_on(self, joint: int) -> tuple[int, ...]:
         """The joints of any kind of which a joint is the parent."""

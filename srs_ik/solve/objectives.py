@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scales
-from srs_ik.errors import InvalidTask, did_you_mean, listed
+from srs_ik.errors import InvalidTask, did_you_mean, listed, quoted
 from srs_ik.inputs.numbers import as_flag, real_array, real_number
 from srs_ik.inputs.poses import as_joint_vector, refuse_bad_angles
 from srs_ik.kernels.layout import objectives as kinds
@@ -129,7 +129,7 @@ class Objective:
             )
         if objective not in _DEFINITIONS:
             raise InvalidTask(
-                f"there is no objective {objective!r}{did_you_mean(objective, OBJECTIVES)}; "
+                f"there is no objective {quoted(objective)}{did_you_mean(objective, OBJECTIVES)}; "
                 f"known are {listed(OBJECTIVES)}"
             )
         definition = _DEFINITIONS[objective]
@@ -242,7 +242,7 @@ def _sense(maximise: bool) -> str:
 def _tolerance(value: Any) -> float:
     tolerance = real_number(value)
     if not 0.0 <= tolerance <= LARGEST_TOLERANCE:
-        raise InvalidTask(f"tolerance must be a number from 0 to {LARGEST_TOLERANCE:g}, not {value!r:.40}")
+        raise InvalidTask(f"tolerance must be a number from 0 to {LARGEST_TOLERANCE:g}, not {quoted(value)}")
     return tolerance
 
 

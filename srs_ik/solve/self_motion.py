@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidConfiguration
+from srs_ik.errors import InvalidConfiguration, quoted
 from srs_ik.inputs.poses import PoseLike, as_branch, as_rigid_matrix
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import ROW
@@ -48,7 +48,7 @@ def self_motion(
     """See `Arm.self_motion`."""
     wanted = as_branch(branch)
     if isinstance(count, bool) or not isinstance(count, int | np.integer) or not 2 <= count <= MOST_POSTURES:
-        raise InvalidConfiguration(f"count must be an integer from 2 to {MOST_POSTURES}, not {count!r:.40}")
+        raise InvalidConfiguration(f"count must be an integer from 2 to {MOST_POSTURES}, not {quoted(count)}")
     T = as_rigid_matrix(pose)
     wide = [i for i in intervals(arm, T, respect_limits) if wanted in (-1, i.branch)]
     return through(arm, T, wide, int(count), respect_limits)

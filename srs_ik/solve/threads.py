@@ -15,7 +15,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import SrsIkError, quoted
+from srs_ik.errors import InvalidConfiguration, quoted
 
 Stop = NDArray[np.int8]
 Result = TypeVar("Result")
@@ -74,12 +74,12 @@ def checked_threads(threads: int | None) -> int:
     """How many threads to work on: no more than processors, all of these if it is not said.
 
     Raises:
-        SrsIkError: `threads` is not a positive integer.
+        InvalidConfiguration: `threads` is not a positive integer.
     """
     if threads is None:
         return processors()
     if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 1:
-        raise SrsIkError(f"threads must be a positive integer, not {quoted(threads)}")
+        raise InvalidConfiguration(f"threads must be a positive integer, not {quoted(threads)}")
     return min(int(threads), processors())
 
 
@@ -90,7 +90,7 @@ def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | 
     so the result does not depend on their number. After an interruption or an error no range is begun any more.
 
     Raises:
-        SrsIkError: `threads` is not a positive integer.
+        InvalidConfiguration: `threads` is not a positive integer.
     """
     helpers = min(checked_threads(threads), count // SMALLEST_RANGE) - 1
     if helpers < 1 and count <= FIRST_RANGE:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from xml.etree.ElementTree import Element
 
-from srs_ik.errors import InvalidRobot, did_you_mean, quoted
+from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
 from srs_ik.robot.description.figures import figure
 from srs_ik.system import bounds
 
@@ -22,7 +22,7 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _MASSES = f"a mass is between 0 and {bounds.HEAVIEST:g} kg"
 
 
-def check(robot: Element, source: str) -> frozenset[str]:
+def check(robot: Element, source: str) -> dict[str, str]:
     """Check the elements of a robot, and settle in place what files leave open.
 
     A robot without a name is called "robot". Every figure is replaced by its shortest exact decimal form. Negative or
@@ -34,7 +34,7 @@ def check(robot: Element, source: str) -> frozenset[str]:
         source: what error messages call it.
 
     Returns:
-        Names of the joints that mimic another one.
+        For each joint that mimics another one a clause that says so.
 
     Raises:
         InvalidRobot: names are missing or used twice, figures are no finite numbers, a range is reversed, an axis has
@@ -52,7 +52,7 @@ class _Checker:
     def fail(self, what: str) -> InvalidRobot:
         return InvalidRobot(f"{self.source}: {what}", self.source)
 
-    def robot(self, robot: Element) -> frozenset[str]:
+    def robot(self, robot: Element) -> dict[str, str]:
         # Parsers refuse a robot without a name; makers leave it out all the same.
         robot.attrib["name"] = robot.get("name", "").strip() or "robot"
         self.name(robot, "the <robot> element")
@@ -70,13 +70,13 @@ class _Checker:
             raise self.fail(
                 f"its joints have {freedom} degrees of freedom, more than the {bounds.FREEDOM} that are read"
             )
-        mimicking = {joint.attrib["name"] for joint in joints if self.joint(joint)}
+        clauses = {joint.attrib["name"]: self.joint(joint) for joint in joints}
         self.tree([link.attrib["name"] for link in links], joints)
         # The version decides whether quaternions count; without any it only makes parsers complain of unknown ones.
         has_quaternion = any("quat_xyzw" in origin.attrib for origin in robot.iter("origin"))
         kept = {"name", "version"} if has_quaternion else {"name"}
         robot.attrib = {key: value for key, value in robot.attrib.items() if key in kept}
-        return frozenset(mimicking)
+        return {name: clause for name, clause in clauses.items() if clause}
 
     def name(self, element: Element, which: str) -> str:
         name = element.get("name", "")
@@ -116,8 +116,8 @@ class _Checker:
                 raise self.fail(f"{key} of the {where} is {inertia.attrib[key]}, more than {bounds.HEAVIEST:g} kg m^2")
         self.origin(inertial, where)
 
-    def joint(self, joint: Element) -> bool:
-        """Check one joint; true if it mimics another."""
+    def joint(self, joint: Element) -> str:
+        """Check one joint; a clause if it mimics another, else empty."""
         where = f"joint {quoted(joint.attrib['name'])}"
         if joint.attrib["name"] == "universe":
             raise self.fail("a joint of it is called 'universe', which is Pinocchio's name of the world")
@@ -137,9 +137,9 @@ class _Checker:
         self.dynamics(joint, kind, where)
         mimic = joint.find("mimic")
         if mimic is None:
-            return False
+            return ""
         joint.remove(mimic)
-        return kind != "fixed"
+        return f"mimics {listed([mimic.get('joint') or 'another joint'])}" if kind != "fixed" else ""
 
     def origin(self, element: Element, where: str) -> None:
         origin = element.find("origin")

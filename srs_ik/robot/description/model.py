@@ -7,7 +7,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 from xml.etree.ElementTree import Element, tostring
@@ -37,9 +37,9 @@ class RobotModel:
     model: Any  # the ``pinocchio.Model`` of the whole robot. In it an effort or velocity limit of 0 means "not given".
     name: str  # the robot's own name
     source: str  # where it came from, as error messages call it
-    # names of joints that follow another one, or are tied to one. `model` has them as joints of their own, but they
-    # cannot be joints of a limb.
-    mimic_joints: frozenset[str] = frozenset()
+    # joints that follow another one, or are tied to one, each with a clause that says so, such as "mimics j1". `model`
+    # has them as joints of their own, but they cannot be joints of a limb.
+    mimic_joints: Mapping[str, str] = field(default_factory=dict)
     drawing: Drawing | None = None  # where its shapes are; None for a bare model and for MJCF
 
 
@@ -77,7 +77,7 @@ def load_model(
         content = read(path, label)
         if document.root_tag(content) == "mujoco":
             model, tied = mjcf.build(path, content, label)
-            return RobotModel(model, model.name, label, tied)
+            return RobotModel(model, model.name, label, dict.fromkeys(tied, "is tied by an equality"))
         return _from_elements(document.parse(content, label), label, Drawing(path.absolute()))
     # Whoever holds such an object has imported its package; for all others the import would be a waste.
     yourdfpy = sys.modules.get("yourdfpy")

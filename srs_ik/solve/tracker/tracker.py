@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, MissingLimits
+from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.numbers import real_array, real_number
@@ -31,9 +31,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LONGEST_PERIOD = 100.0
+SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 100.0
 MOST = {"velocity": 1e6, "acceleration": 1e9, "jerk": 1e12}
-"""Updates so far apart at most, s, and joints so fast, rad/s, rad/s^2, rad/s^3: beyond that, figures overflow."""
+"""Updates so far apart at least and at most, s, and joints so fast, rad/s, rad/s^2, rad/s^3: beyond that, figures
+overflow."""
 
 FULL_SPEED_IN = 0.1
 """Where no accelerations are given, each joint may come to its largest velocity in so many seconds."""
@@ -187,9 +188,10 @@ class Tracker(Fixed):
         self._packed, self._arm = packed, owner
         velocity, acceleration, jerk = bounds
         self.dt = as_positive(dt, "dt", "seconds")
-        if self.dt > LONGEST_PERIOD:
+        if not SHORTEST_PERIOD <= self.dt <= LONGEST_PERIOD:
             raise InvalidConfiguration(
-                f"dt is the time between two updates, {LONGEST_PERIOD:g} s at most, not {self.dt:g}"
+                f"dt is the time between two updates, {SHORTEST_PERIOD:g} s at least and {LONGEST_PERIOD:g} s at most, "
+                f"not {self.dt:g}"
             )
         self.velocity_limit = _limits(velocity, packed, "velocity", packed.velocity_limit)
         usual = self.velocity_limit / FULL_SPEED_IN
@@ -242,7 +244,8 @@ class Tracker(Fixed):
     def smoothing(self, seconds: float | None) -> None:
         self._smoothing = None if seconds is None else real_number(seconds)
         if self._smoothing is not None and not 0.0 <= self._smoothing < math.inf:
-            raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, or None, not {seconds!r:.40}")
+            given = quoted(seconds)
+            raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, or None, not {given}")
         self._settings[at.SMOOTHING] = at.MEASURED if self._smoothing is None else self._smoothing
 
     @property

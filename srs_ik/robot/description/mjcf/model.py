@@ -13,7 +13,7 @@ import pinocchio as pin
 from srs_ik.errors import InvalidRobot, quoted
 from srs_ik.robot.description.mjcf.actuators import joint_efforts
 from srs_ik.robot.description.mjcf.attributes import Reader
-from srs_ik.robot.description.mjcf.bodies import Body, Joint, read_bodies
+from srs_ik.robot.description.mjcf.bodies import WORLD, Body, Joint, read_bodies
 from srs_ik.robot.description.mjcf.text import whole
 from srs_ik.robot.description.mjcf.ties import tied_joints
 from srs_ik.system import bounds
@@ -81,8 +81,10 @@ class _Assembly:
         self.model = pin.Model()
         self._efforts = efforts
         self.model.name = name
+        # The world has MuJoCo's name too, beside that which Pinocchio gives its first frame.
+        world = self.model.addBodyFrame(WORLD, 0, pin.SE3.Identity(), 0)
         # For each body: the joint that carries it, its frame on this joint, and the index of its frame.
-        self._placed: list[tuple[int, pin.SE3, int]] = [(0, pin.SE3.Identity(), 0)]
+        self._placed: list[tuple[int, pin.SE3, int]] = [(0, pin.SE3.Identity(), world)]
 
     def add(self, body: Body, inertia: pin.Inertia) -> None:
         """Add a body with its joints and sites."""
