@@ -193,14 +193,16 @@ def _by_function(
     if best_run < 0:
         return _judged(arm, chain, solve(arm, T, respect_limits=respect_limits), T, objective, respect_limits)
     lower, upper = entries.interval(arm.family, T, rows, runs[best_run])
-    if runs[best_run, 0] >= at.SURFACE:
-        for _ in range(at.ROUNDS):
-            rows = np.empty((entries.SPARE_ROWS, entries.SAMPLE))
-            n, k = entries.star(arm.family, T, best_row[:7].copy(), respect_limits, runs, rows)
-            value, run, row = search(rows[:n], k, best - at.TIE * abs(best))
-            if run < 0:
-                break
-            best, best_row = value, row
+    for _ in range(at.ROUNDS):
+        # On a surface, lines lead on from its best posture.
+        rows = np.empty((entries.SPARE_ROWS, entries.SAMPLE))
+        n, k = entries.star(arm.family, T, best_row[:7].copy(), respect_limits, runs, rows)
+        if n > 0:
+            lower = upper = best_row[ROW_ARM_ANGLE]
+        value, run, row = search(rows[:n], k, best - at.TIE * abs(best))
+        if run < 0:
+            break
+        best, best_row = value, row
         lower = upper = best_row[ROW_ARM_ANGLE]
     interval = Interval(int(best_row[ROW_BRANCH]), float(lower), float(upper))
     best_row[:7] = cost.turned(best_row[:7])

@@ -25,8 +25,8 @@ from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place, target_of
 from srs_ik.kernels.optimum.objectives import objective, toward_reference
-from srs_ik.kernels.optimum.search import ROUNDING, Objective, close_in, find_brackets, survey_best, value_rows
-from srs_ik.kernels.optimum.split_runs import MOST_ROWS, put_star, survey_splits
+from srs_ik.kernels.optimum.search import ROUNDING, Objective, capped, close_in, find_brackets, survey_best, value_rows
+from srs_ik.kernels.optimum.split_runs import MOST_ROWS, is_on_surface, put_star, survey_splits
 
 __all__ = ["SAMPLE", "SPARE_ROWS"]
 """What a search in Python has to know of the kernels behind these."""
@@ -71,20 +71,22 @@ def write_posture(P, target, q, branch, respect, solution):
 
 
 @kernel
-def best_of_surface(P, by, q, wanted, resolution, line, out):
-    """The best posture on the surface around a good one, by runs in all its directions.
-
-    Overwrites rows and runs.
-    """
+def best_of_surface(P, by, q, wanted, resolution, line):
+    """The best posture on the surface around a good one, by runs in all its directions; itself where it is on none."""
+    out = Runs(np.empty((SPARE_ROWS, SAMPLE)), np.empty((at.MAX_RUNS, at.RUN)))
     brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
-    lowest = objective(P, wanted.kind, wanted.params, q, by.J)
-    for _ in range(at.ROUNDS):
+    lowest = capped(P, wanted, q, by.J)
+    for _ in range(at.ROUNDS if is_on_surface(P, q) else 0):
         n, k = put_star(P, by, q, line, out)
         values = np.empty(n)
         value_rows(P, wanted, out.rows, n, values, by.J)
         count = find_brackets(out.rows, values, out.runs, k, brackets)
         best, better = close_in(P, by, out, brackets[:count], 0.0, wanted, resolution)
-        if best < 0 or brackets[best, 0] >= lowest - at.TIE * abs(lowest):
+        # Of values that are all but zero, rounding makes others all the way.
+        greatest = 0.0
+        for i in range(n):
+            greatest = max(greatest, abs(values[i]) if values[i] < at.REFUSED else 0.0)
+        if best < 0 or brackets[best, 0] >= lowest - at.TIE * greatest:
             break
         q, lowest = better, brackets[best, 0]
     return q
@@ -116,8 +118,9 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
     if best < 0:
         return at.NO_POSTURE
     run = int(brackets[best, 1])
+    q = best_of_surface(P, by, q, wanted, resolution, line)
     if second >= 0:
-        lowest = brackets[best, 0]
+        lowest = capped(P, wanted, q, by.J)
         cap = lowest + (tolerance + ROUNDING) * abs(lowest)
         spans = np.empty((k + at.MAX_BRACKETS, at.RUN))
         origin = np.empty(k + at.MAX_BRACKETS, np.int64)
@@ -133,10 +136,10 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
         if best >= 0:
             q = better_q
             run = origin[int(brackets[best, 1])]
+        q = best_of_surface(P, by, q, other, resolution, line)
     branch = int(runs[run, 0])
     lower, upper = arm_angles_of_run(P, target.place, rows, runs[run])
-    if second < 0 and branch >= at.SURFACE:
-        q = best_of_surface(P, by, q, wanted, resolution, line, Runs(rows, runs))
+    if is_on_surface(P, q):
         lower = arm_angle(P, q, target.place[0], target.place[1])
         upper = lower
     if kind == REFERENCE:
@@ -165,8 +168,13 @@ def sample(family, T, respect, runs, rows):
 
 @entry
 def star(family, T, q, respect, runs, rows):
-    """Samples of the postures around one on a surface, in `rows` (SPARE_ROWS, SAMPLE): the number of rows and runs."""
+    """Samples of the postures around one on a surface, in `rows` (SPARE_ROWS, SAMPLE): the number of rows and runs.
+
+    None where it is on no surface.
+    """
     P = row(family, LIMITED)
+    if not is_on_surface(P, read7(q)):
+        return 0, 0
     by = setting_of(P, target_of(P, row(T, 0)), 0, respect)
     line = np.empty((SPARE_ROWS, SAMPLE))
     return put_star(P, by, read7(q), line, Runs(rows, runs))

@@ -35,9 +35,6 @@ RUN = 5
 SPLIT = 8
 """A run of an exact limb whose branch is this or more goes along a free split, not along arm angles."""
 
-SURFACE = SPLIT + 8
-"""A run of this branch and above is one of many across a surface of postures."""
-
 LINES = 12
 MOST_LINES = 8 * LINES * LINES
 """Runs across a surface, and arm angles if each of them has free splits; in all of a pose, at most."""

@@ -19,7 +19,7 @@ from srs_ik.kernels.curves.runs import cut
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.asked import Samples, Setting
-from srs_ik.kernels.layout.search import LINES, MOST_LINES, SPLIT, SURFACE
+from srs_ik.kernels.layout.search import LINES, MOST_LINES, SPLIT
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, comes_in_line, is_in_line, toward_of, wide_limb
@@ -64,16 +64,21 @@ def swung_by(P, q, x):
 def put_line(P, by, q, line_of, line, out, used):
     """Sample a line through a posture and write its feasible runs: rows and runs in use.
 
-    `line_of` holds its way (0 split of the shoulder, 1 of the wrist, 2 and 3 both together and against each other, 4
-    swing of the arm), its length to either side and in how many parts, and the branch of its runs.
+    `line_of` holds its way (0 split of the shoulder, 1 of the wrist, 2 and 3 both together and against each other, 4 to
+    7 swing of the arm by joints 3 and 5, 1 and 5, 3 and 7, 1 and 7), its length to either side and in how many parts,
+    and the branch of its runs.
     """
     way, half, parts, branch = line_of
     count = 0
     for i in range(parts + 1):
         x = half * (2.0 * i / parts - 1.0)
         start = q
-        if way == 4:
+        if way >= 4:
             start = swung_by(P, q, x)
+            if way & 1 == 1:
+                start = split_by(P, at.SHOULDER, start, toward_of(P, at.SHOULDER, q[1]) * (start[2] - q[2]))
+            if way & 2 == 2:
+                start = split_by(P, at.WRIST, start, q[4] - start[4])
         else:
             if way != 1:
                 start = split_by(P, at.SHOULDER, start, x)
@@ -116,7 +121,7 @@ def survey_splits(P, by, line, out, used):
                     surface = (
                         is_in_line(P, at.WRIST, q[5], NEARLY) if i < 2 else is_in_line(P, at.SHOULDER, q[1], NEARLY)
                     )
-                    code = branch + (SURFACE if surface or everywhere else SPLIT)
+                    code = branch + SPLIT
                     lines = LINES if surface else 1
                     for k in range(lines):
                         # A segment of the surface at each of so many splits of the other spherical joint.
@@ -127,16 +132,28 @@ def survey_splits(P, by, line, out, used):
 
 
 @kernel
+def free_sums(P, q):
+    """Whether a posture's shoulder and wrist leave a sum free each, and whether its elbow is on the line S-W."""
+    straight = abs(math.sin(q[3] - P[at.STRAIGHT])) < NEARLY_IN_LINE
+    return is_in_line(P, at.SHOULDER, q[1], NEARLY), is_in_line(P, at.WRIST, q[5], NEARLY), straight
+
+
+@kernel
+def is_on_surface(P, q):
+    """Whether a posture of an exact limb lies on a surface of postures of its pose."""
+    shoulder, wrist, straight = free_sums(P, q)
+    return P[at.IS_CLOSED] == 1.0 and int(shoulder) + int(wrist) + int(straight) > 1
+
+
+@kernel
 def put_star(P, by, q, line, out):
     """Write the runs through a posture in all directions of its surface: rows and runs in use."""
     used = (0, 0)
-    shoulder = is_in_line(P, at.SHOULDER, q[1], NEARLY)
-    wrist = is_in_line(P, at.WRIST, q[5], NEARLY)
-    for way in range(5):
-        if way == 4:
-            wanted = abs(math.sin(q[3] - P[at.STRAIGHT])) < NEARLY_IN_LINE
-        else:
-            wanted = (shoulder or way == 1) and (wrist or way == 0)
+    shoulder, wrist, straight = free_sums(P, q)
+    for way in range(8):
+        wanted = (shoulder or way == 1) and (wrist or way == 0)
+        if way >= 4:
+            wanted = straight and (shoulder or way & 1 == 0) and (wrist or way & 2 == 0)
         if wanted:
-            used = put_line(P, by, q, (way, HALF, 2 * AROUND, SURFACE), line, out, used)
+            used = put_line(P, by, q, (way, HALF, 2 * AROUND, SPLIT), line, out, used)
     return used
