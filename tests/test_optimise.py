@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from objective_parameters import NAMES, PARAMETERS
-from oracles import distance, inside, limbs, random_limb, unit
+from oracles import distance, inside, limbs, random_angles, random_limb, unit
 from scipy.optimize import minimize_scalar
 
 import srs_ik
@@ -205,6 +205,29 @@ def test_where_two_sums_are_free_a_tolerance_is_kept():
         assert found.second_value == pytest.approx(second, rel=1e-12)
         assert found.value <= best.value * (1.0 + tolerance) * (1.0 + 1e-9)
         assert found.second_value >= best.second_value - 1e-9
+
+
+@pytest.mark.parametrize("name", ["wrench", "twist", "gravity_torque"])
+def test_where_sums_are_free_at_once_no_posture_of_the_self_motion_is_better(name):
+    arm, rng = arms.load("iiwa14"), np.random.default_rng(45)
+    for straight in [(3, 5), (1, 5), (1, 3), (1, 3, 5)] * 3:
+        known = random_angles(rng, arm.lower, arm.upper)
+        known[list(straight)] = 0.0
+        pose = arm.forward_kinematics(known)
+        best = arm.optimise(pose, name, **random_parameters(rng, arm, name))
+        assert max(distance(pose, arm.forward_kinematics(best.q))) < 1e-9
+        assert inside(best.q, arm.lower, arm.upper)
+        Q = np.vstack([known, *(motion.q for motion in arm.self_motion(pose, count=91))])
+        assert_as_good_as(arm, best, swept_values(arm, best.objective, Q))
+
+
+def test_the_ratio_of_the_stretched_arm_is_the_least_of_its_surface():
+    # The best posture lies at an arm angle of an interval; from it, joints go against each other on the surface.
+    arm = arms.load("iiwa14")
+    pose = arm.forward_kinematics(np.zeros(7))
+    best = arm.optimise(pose, "force_velocity_ratio", force=[0.124, 0.862, 0.116], velocity=[0.804, -0.504, 0.358])
+    assert max(distance(pose, arm.forward_kinematics(best.q))) < 1e-9
+    assert best.value < 1e-12
 
 
 @pytest.mark.parametrize("tolerance", [0.0102, 0.0106, 0.011, 0.0116])
