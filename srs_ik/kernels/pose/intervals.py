@@ -64,12 +64,30 @@ def interval_alone(family, target, out):
 
 
 @kernel
+def closed_intervals(family, target, respect, out):
+    """Feasible intervals of one pose of a closed limb; the number of rows."""
+    n, told = exact_intervals(family, target, respect, out)
+    return n if told else interval_alone(family, target, out)
+
+
+@kernel
+def is_feasible(family, target, psi, branch):
+    """Whether an interval of a closed limb inside its limits holds an arm angle, in a branch (-1: any)."""
+    found = np.empty((8 * MAX_PIECES, 3))
+    for i in range(closed_intervals(family, target, True, found)):
+        if branch < 0 or found[i, 0] == branch:
+            ahead = psi - found[i, 1]
+            if ahead - 2.0 * math.pi * math.floor(ahead / (2.0 * math.pi)) <= found[i, 2] - found[i, 1]:
+                return True
+    return False
+
+
+@kernel
 def all_intervals(family, target, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     P, F = row(family, LIMITED), row(family, LIMITED if respect else FREE)
     if P[IS_NEAR] == 0.0:
-        n, told = exact_intervals(family, target, respect, out)
-        return n if told else interval_alone(family, target, out)
+        return closed_intervals(family, target, respect, out)
     n = predicted_intervals(F, target, out, J, A)
     if n < 0:
         n = true_intervals(P, target, respect, out, J, A)

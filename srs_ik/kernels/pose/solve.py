@@ -32,6 +32,7 @@ from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
+from srs_ik.kernels.pose.intervals import is_feasible
 from srs_ik.kernels.pose.on_limits import BARELY, is_at_angle, put_on_limits
 from srs_ik.kernels.pose.search import going_on, going_on_in_branch, search_exact, search_near_seed
 
@@ -145,6 +146,8 @@ def at_its_angle(family, target, psi, branch, found, goal):
     """
     P, q = row(family, LIMITED), found[0]
     if not (is_in_line(P, SHOULDER, q[1], NEARLY_IN_LINE) or is_in_line(P, WRIST, q[5], NEARLY_IN_LINE)):
+        return found
+    if not is_feasible(family, target, psi, branch):
         return found
     q, own, value = search_exact(family, target, branch, goal)
     q = clipped(P, q)
