@@ -691,9 +691,8 @@ TOUCHED_BETWEEN = [
     [3.1, 2.268, 2.9606091816515847, -0.8569429252995913, -1.302831015266397, -1e-10, -2.855223645242845],
     [3.1, -0.4445539495400668, 2.603139700407328, 0.8790503211897698, -2.9750260302734706, 1e-11, -6.28],
     [-2.399233784138461, -1.5387995103873868, 3.1, 0.5353757763065787, 0.005483281420487263, 0.0, 6.28],
-    [-3.1, -2.268, 3.1, 0.6877073636630309, -1.5384797208434275, 0.0, 2.0955607636734834],
 ]
-"""Wrist singular, two joints or three on limits that they touch where q6 passes zero, between the only two samples."""
+"""Wrist singular, two joints on limits that they touch where q6 passes zero, between the only two samples of an arc."""
 
 ALONE = [-0.2711505841443289, 0.0, 1.405866915567667, 1.7764747463181174, 2.835471058004974, 0.0, -0.34598129010373313]
 """Shoulder and wrist singular at once: a posture on no curve of its pose."""

@@ -15,7 +15,6 @@ from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_cros
 from srs_ik.kernels.curves.ends import joint_beyond
 from srs_ik.kernels.curves.follow import between, put, share_of_chord, tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
-from srs_ik.kernels.curves.lowest import UNSURE
 from srs_ik.kernels.curves.told import UNTOLD, turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
@@ -183,13 +182,12 @@ def stays_on_side(P, j, end, ways, rates):
 def turn_across(P, by, a, b, joint_end):
     """The posture between two on one side of a limit, of joint j at an end, where that turns around on the other side.
 
-    Or comes so close to it that rounding may hide it there. Returns the posture, and whether there is one.
+    Returns the posture, and whether there is one.
     """
     j, end = joint_end
     outside = outside_of(P, j, end, turn_to_middle(P, j, a[j])) > 0.0
     q = turning_between(P, by, a, b, 1.0 if (end == 1) != outside else -1.0, j, UNTOLD)
-    off = outside_of(P, j, end, turn_to_middle(P, j, q[j]))
-    return q, (off > 0.0) != outside or (outside and off < UNSURE)
+    return q, (outside_of(P, j, end, turn_to_middle(P, j, q[j])) > 0.0) != outside
 
 
 @kernel
@@ -217,7 +215,7 @@ def put_turns(P, by, start, end, bulge, turns):
         n = insert(turns, 0, n, x, q)
         inside = P[MIDDLE + j], WELL_INSIDE * 0.5 * (P[UPPER + j] - P[LOWER + j])
         for from_x, from_q in (start, end):
-            if joint_beyond(P, j, from_q) > 0.0 and joint_beyond(P, j, q) > UNSURE:
+            if joint_beyond(P, j, from_q) > 0.0 and joint_beyond(P, j, q) > 0.0:
                 passing, share, met = pass_at(P, by, from_q, q, j, inside)
                 if met:
                     n = insert(turns, 0, n, from_x + share * (x - from_x), passing)
