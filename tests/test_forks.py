@@ -98,6 +98,41 @@ def test_no_child_hangs(program, count):
     assert (done.stdout, done.stderr) == (f"{count} {{0}}\n", "")
 
 
+def test_a_fork_comes_to_its_turn():
+    """However often another thread takes the lock again: at most once between the wish for a fork and the fork."""
+    program = """
+from srs_ik.system.forks import WHOLE
+
+taken, done = [0], threading.Event()
+
+def take_on():
+    while not done.is_set():
+        with WHOLE:
+            taken[0] += 1
+            end = time.perf_counter() + 0.002
+            while time.perf_counter() < end:
+                pass
+
+thread = threading.Thread(target=take_on)
+thread.start()
+between = []
+for k in range(100):
+    time.sleep(0.0007 * (k % 13))
+    before = taken[0]
+    pid = os.fork()
+    if pid == 0:
+        with WHOLE:
+            os._exit(0)
+    between.append(taken[0] - before)
+    os.waitpid(pid, 0)
+done.set()
+thread.join()
+print(max(between) <= 2, between)
+"""
+    done = subprocess.run([sys.executable, "-c", PROGRAM + program], capture_output=True, text=True, timeout=1200)
+    assert (done.stdout[:4], done.stderr) == ("True", ""), done.stdout
+
+
 def test_a_fork_within_is_no_deadlock():
     """Whoever forks while it loads itself, as a user's own function may, does not wait for itself."""
     program = """

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -14,7 +15,8 @@ import numpy as np
 import pytest
 
 import srs_ik
-from srs_ik.maps import build_map, tasks
+from srs_ik.errors import InvalidMap
+from srs_ik.maps import build, build_map, tasks
 from srs_ik.maps.store import Store
 
 pytest.importorskip("zarr")
@@ -104,6 +106,7 @@ def test_a_cluster_that_loses_a_process_is_resumed_to_the_same_store(undisturbed
         try:
             limit = time.monotonic() + 120.0
             while not list(path.glob("done/c/*")) and time.monotonic() < limit:
+                assert processes["client"][0].poll() is None
                 time.sleep(0.02)
             time.sleep(float(rng.uniform(0.0, 1.5)))
             processes[victim][0].send_signal(signal.SIGKILL)
@@ -116,6 +119,29 @@ def test_a_cluster_that_loses_a_process_is_resumed_to_the_same_store(undisturbed
                 each.wait()
         build_map(srs_ik.load("human_arm"), 0.04, path, orientations=576)
         assert digests(path) == digests(undisturbed)
+
+
+def test_a_cluster_whose_workers_come_late_is_waited_for(undisturbed, tmp_path):
+    """The client of a cluster that is just starting is often there before the first worker is."""
+    distributed = pytest.importorskip("distributed")
+    path = tmp_path / "map.zarr"
+    quiet = {"processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(n_workers=0, **quiet) as cluster, distributed.Client(cluster) as client:
+        assert not client.nthreads()
+        late = threading.Timer(1.0, cluster.scale, (1,))
+        late.start()
+        build_map(srs_ik.load("human_arm"), 0.04, path, client, orientations=576)
+        late.join()
+    assert digests(path) == digests(undisturbed)
+
+
+def test_a_cluster_without_workers_is_an_error(tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(build, "ARRIVAL", 0.2)
+    quiet = {"processes": False, "dashboard_address": None}
+    refused = pytest.raises(InvalidMap, match="no worker, and none came within")
+    with distributed.LocalCluster(n_workers=0, **quiet) as cluster, distributed.Client(cluster) as client, refused:
+        build_map(srs_ik.load("human_arm"), 0.2, tmp_path / "map.zarr", client, orientations=576)
 
 
 def test_an_interruption_does_not_wait_for_tasks_to_end(tmp_path, monkeypatch):

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], None]
 
+ARRIVAL = 30.0
+"""How long the first worker of a cluster may take until it is there, seconds: who starts both at once need not wait."""
+
 WAITING = 3
 """Tasks for each worker that are handed out at once: none has to wait, and none is lost in a queue."""
 
@@ -131,7 +134,7 @@ def build_map(
         progress: called with the cells that are done and all cells, after each task.
 
     Raises:
-        InvalidMap: the arguments fit no map, or the folder holds another one.
+        InvalidMap: the arguments fit no map, the folder holds another one, or a cluster has no worker after 30 s.
         InvalidConfiguration: `threads` is no positive integer.
         InvalidScene: this is no scene.
         NoBodies: with a scene, no shapes of the arm are at hand.
@@ -251,13 +254,16 @@ def _by_threads(job: Job, folder: Path, left: list[int], threads: int | None) ->
 
 def _by_dask(client: Any, job: Job, folder: Path, left: list[int]) -> Iterator[int]:
     try:
+        from dask.distributed import TimeoutError as NoneCame
         from dask.distributed import as_completed
     except ImportError:
         raise MissingExtra("maps", "a map by Dask") from None
     path = str(folder.absolute())
+    try:
+        client.wait_for_workers(1, timeout=ARRIVAL)
+    except NoneCame:
+        raise InvalidMap(f"the Dask cluster has no worker, and none came within {ARRIVAL:g} s") from None
     workers = sum(client.nthreads().values())
-    if not workers:
-        raise InvalidMap("the Dask cluster has no worker")
     tasks = iter(left)
 
     def more() -> Any:

@@ -19,7 +19,50 @@ from typing import Any, ParamSpec, TypeVar
 P = ParamSpec("P")
 R = TypeVar("R")
 
-WHOLE = threading.RLock()
+
+class _InTurn:
+    """A lock that its holder may take again, and that a thread which waits gets before the same one gets it anew.
+
+    Python's own locks promise no order: a fork beside a thread that loads one robot after another could wait for ever.
+    """
+
+    def __init__(self) -> None:
+        self._lock, self._turn, self._mine = threading.RLock(), threading.Lock(), threading.local()
+
+    def acquire(self, timeout: float = -1) -> bool:
+        if self._depth > 0:
+            taken = self._lock.acquire()
+        else:
+            # Whoever is next waits with the turn in hand.
+            if not self._turn.acquire(timeout=timeout):
+                return False
+            try:
+                taken = self._lock.acquire(timeout=timeout)
+            finally:
+                self._turn.release()
+        self._mine.depth = self._depth + taken
+        return taken
+
+    def release(self) -> None:
+        self._mine.depth = self._depth - 1
+        self._lock.release()
+
+    def renew(self) -> None:
+        """In a child: a thread that is not there may have waited with the turn in hand."""
+        self._turn = threading.Lock()
+
+    @property
+    def _depth(self) -> int:
+        return getattr(self._mine, "depth", 0)
+
+    def __enter__(self) -> None:
+        self.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+
+WHOLE = _InTurn()
 """Held by whoever must not be cut in two by a fork."""
 
 _held = ExitStack()
@@ -60,6 +103,7 @@ def _after() -> None:
 
 
 def _after_in_child() -> None:
+    WHOLE.renew()
     _after()
     # Numba looks its contexts up under locks that no order leads to. There is one thread now, which holds none of them.
     registry = sys.modules.get("numba.core.registry")
