@@ -138,6 +138,7 @@ def singular_on_limits(seed, locked):
     return srs_ik.load(limb.model, base="base", tip="tool", limits=limits), np.clip(q, lower, upper)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("locked", [True, False])
 def test_single_arm_angles_of_intervals_are_met_next_to_singular_joints(locked):
     """Of 100 such poses one or two had an interval of one arm angle, or of next to nothing, that was refused."""

@@ -1223,6 +1223,7 @@ def test_no_interval_spans_what_a_shoulder_and_a_wrist_forbid_together(bench, na
         assert_intervals_are_met(bench, arm, q)
 
 
+@pytest.mark.slow
 def test_steps_that_end_exactly_in_a_singular_wrist_are_numbers():
     arm, _ = next(islice(subjects()["arms_of"]("random_rounded", 1000, 12100001), 95, None))
     q = "-1.3101330738123536 3.2192707721250695 -0.3966754333300466 -1.380098003418523 2.2004001470347623 -1e-07 "

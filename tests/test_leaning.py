@@ -96,6 +96,7 @@ def test_the_elbow_is_on_the_line_of_the_arm_stretched_out(lean):
         assert np.linalg.norm(np.cross(limb.elbow - limb.points[3], across)) < 1e-15
 
 
+@pytest.mark.slow
 def test_where_all_is_singular_a_branch_has_the_splits_on_its_border(bench):
     """Rounding alone tells of which branches such postures are."""
     rng = np.random.default_rng(17)

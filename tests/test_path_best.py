@@ -360,6 +360,7 @@ def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, k
         assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
 
 
+@pytest.mark.slow
 def test_a_straight_elbow_and_a_shoulder_that_turn_on_the_spot_turn_together():
     """Where both do, a pose has postures in two directions: joints 1, 3 and 5 share one angle."""
     arm = load("human_arm")
