@@ -133,12 +133,11 @@ def add_approach(axis, gap, circle, slack, events, n):
 @kernel
 def add_middle(P, k, circle, end, events, n):
     """Insert the arm angles at which a middle joint is on its lower (0) or upper (1) limit."""
-    a1, sine, slack = load3(P, k + at.A1), 1.0, P[at.SLACK_LIMIT]
-    value = P[k + at.BOUND_2_LOWER + end]
+    a1, value = load3(P, k + at.A1), P[k + at.BOUND_2_LOWER + end]
     if abs(value) >= NEXT_TO_END:
-        sine = math.sqrt(2.0 * max(1.0 - abs(value), 0.0)) + slack
-    rest = -beyond_middle(P, k, end, circle[0], dot(circle[1], circle[1]))
-    return put_roots(dot(a1, circle[1]), dot(a1, circle[2]), rest, (1e-15 * sine, slack * sine), events, n)
+        way, gap = end_of_middle(P, k, end)
+        return add_approach(scale(way, a1), gap, circle, P[at.SLACK_LIMIT], events, n)
+    return add_roots(a1, circle, value, P[at.SLACK_LIMIT], events, n)
 
 
 @kernel
