@@ -115,14 +115,15 @@ def add_approach(axis, gap, circle, slack, events, n):
     """
     c, s = dot(axis, circle[1]), dot(axis, circle[2])
     size = math.sqrt(c * c + s * s)
-    if size < 1e-15:
+    wanted = math.sqrt(2.0 * gap)
+    if size < 1e-15 * (wanted + slack):
         return n
     closest = along(along(circle[0], c / size, circle[1]), s / size, circle[2])
-    wanted, least = math.sqrt(2.0 * gap), norm(sub(axis, closest))
+    least = norm(sub(axis, closest))
     # From the closest point on, the square of the distance grows by this times the square of the sine of half the way.
     most = 4.0 * size
     square = (wanted - least) * (wanted + least)
-    touch = 2.0 * (size * TOUCH + slack * wanted)
+    touch = 2.0 * (size * TOUCH + slack * (wanted + slack))
     if square < -touch or square > most + touch:
         return n
     middle, away = math.atan2(s, c), 2.0 * math.asin(math.sqrt(min(max(square / most, 0.0), 1.0)))
