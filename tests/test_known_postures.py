@@ -691,15 +691,24 @@ TOUCHED_BETWEEN = [
     [3.1, 2.268, 2.9606091816515847, -0.8569429252995913, -1.302831015266397, -1e-10, -2.855223645242845],
     [3.1, -0.4445539495400668, 2.603139700407328, 0.8790503211897698, -2.9750260302734706, 1e-11, -6.28],
     [-2.399233784138461, -1.5387995103873868, 3.1, 0.5353757763065787, 0.005483281420487263, 0.0, 6.28],
+    [-3.1, -2.268, 3.1, 0.6877073636630309, -1.5384797208434275, 0.0, 2.0955607636734834],
 ]
-"""Wrist singular, two joints on limits that they touch where q6 passes zero, between the only two samples of an arc."""
+"""Wrist singular, two or three joints on limits that they touch where q6 passes zero, between the only two samples of
+an arc."""
+
+ON_THREE_LIMITS = [
+    [-0.14313786780524929, -0.8453783551810308, -0.6208581819800405, 2.355, 3.1, -0.01998563151131468, -6.28],
+    [3.1, 2.268, 2.2700294336586473, 0.06322283054611633, 3.1, -1.9285089175285024, -4.6141291064945555],
+]
+"""Joint 5 on its way across the gap between its limits, elbow and joint 7 on theirs; two joints that come in at the one
+arm angle at which a third goes out."""
 
 ALONE = [-0.2711505841443289, 0.0, 1.405866915567667, 1.7764747463181174, 2.835471058004974, 0.0, -0.34598129010373313]
 """Shoulder and wrist singular at once: a posture on no curve of its pose."""
 
 
 @pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
-@pytest.mark.parametrize("q", TOUCHED_BETWEEN)
+@pytest.mark.parametrize("q", TOUCHED_BETWEEN + ON_THREE_LIMITS)
 def test_limits_that_are_touched_between_two_samples_leave_an_interval(bench, q):
     assert_is_inside(bench, "rm75", np.array(q))
 
@@ -1280,3 +1289,64 @@ def test_at_an_arm_angle_the_nearest_posture_to_a_seed_may_have_its_elbow_on_the
         found = arm.solve(arm.forward_kinematics(q), seed=seed, arm_angle=arm.arm_angle(q), branch=branch)
         assert found.status == "OK"
         assert np.linalg.norm(found.q - seed) < np.linalg.norm(q - seed) + 1e-3
+
+
+@pytest.mark.parametrize("part", range(3))
+def test_ends_of_intervals_are_where_a_joint_next_to_singular_meets_its_limit(part):
+    """Of 1,000 ends 15 were up to 2e-8 rad too far out, where a joint is outside by as much: refused."""
+    asked = 0
+    for seed in range(100 * part, 100 * part + 100):
+        rng = np.random.default_rng(seed)
+        limb = random_limb(seed, ("coordinate", "tilted")[seed % 2], "offset", "usual")
+        free = srs_ik.load(limb.model, base="base", tip="tool")
+        q, joint = rng.uniform(-2.5, 2.5, 7), (1, 5)[rng.integers(2)]
+        off = rng.choice([1e-7, 1e-8, 1e-9]) * rng.choice([-1.0, 1.0])
+        q[joint] = phases(free.limb)[joint] + off + np.pi * rng.integers(2)
+        lower, upper = q - rng.uniform(0.01, 3.0, 7), q + rng.uniform(0.01, 3.0, 7)
+        (lower, upper)[rng.integers(2)][joint] = q[joint]
+        limits = {n: {"lower": a, "upper": b} for n, a, b in zip(free.joint_names, lower, upper, strict=True)}
+        arm = srs_ik.load(limb.model, base="base", tip="tool", limits=limits)
+        pose = arm.forward_kinematics(q)
+        for found in arm.intervals(pose):
+            beside = min(1e-9, found.width)
+            for psi in (found.lower, found.lower + beside, found.upper - beside, found.upper):
+                solution = arm.solve(pose, arm_angle=psi, branch=found.branch)
+                assert solution, (seed, found, psi)
+                assert max(distance(pose, arm.forward_kinematics(solution.q))) < 1e-9
+                assert inside(solution.q, arm.lower, arm.upper)
+                asked += 1
+    assert asked > 500
+
+
+MET_AT_A_BEND = {
+    "random_leaning": (
+        18000107,
+        55,
+        "1.313203446269009 -9.293317614871398e-07 -3.792084664555084 -3.141592753589793 1.7779621894036906"
+        " -4.6886017318902305e-07 -0.20774725468333655",
+    ),
+    "random_rounded": (
+        16000000,
+        89,
+        "-3.0353634668310456 1e-11 4.811882431122668 -3.682754546591459e-09 0.7115345120125012 -1.7262786612810257"
+        " 2.269636611462001",
+    ),
+}
+"""Elbow almost flat: bends at which a wrist comes to the end of its reach, and a posture beside all curves of its pose.
+Seeds of the arms, their numbers, postures."""
+
+
+@pytest.mark.parametrize("robot", MET_AT_A_BEND)
+def test_arm_angles_of_almost_flat_elbows_are_met(robot):
+    """In 2 % of an interval, and at its only arm angle, no answer was found."""
+    seed, number, given = MET_AT_A_BEND[robot]
+    arm, _ = next(islice(subjects()["arms_of"](robot, 1000, seed), number, None))
+    pose, asked = arm.forward_kinematics(np.array(given.split(), float)), 0
+    for found in arm.intervals(pose):
+        for psi in found.lower + np.linspace(0.0, 1.0, 501 if found.width else 1) * found.width:
+            solution = arm.solve(pose, arm_angle=psi, branch=found.branch)
+            assert solution, (found, psi)
+            assert max(distance(pose, arm.forward_kinematics(solution.q))) < 1e-9
+            assert inside(solution.q, arm.lower, arm.upper)
+            asked += 1
+    assert asked > 0

@@ -74,6 +74,14 @@ def farthest_out(P, q):
 
 
 @kernel
+def closed_inside(P, by, q):
+    """The posture inside the limits that a pose has next to one barely outside them, and whether there is one."""
+    q = clipped(P, turned(P, q, False, NO_SEED, True))
+    q, error = close_gently(P, q, by.target.R, by.target.p, True, by.J, by.A)
+    return q, error < CLOSED
+
+
+@kernel
 def corner(P, by, q, off):
     """The posture inside the limits where one joint comes in as another goes out, and whether there is one.
 
@@ -85,9 +93,7 @@ def corner(P, by, q, off):
     t, sign = tangent_at(P, by, q)
     if sign != 0.0 and off > vagueness(by.J, t, by.A):
         return q, False
-    q = clipped(P, turned(P, q, False, NO_SEED, True))
-    q, error = close_gently(P, q, by.target.R, by.target.p, True, by.J, by.A)
-    return q, error < CLOSED
+    return closed_inside(P, by, q)
 
 
 @kernel
@@ -173,11 +179,11 @@ def first_limit(P, a, b):
     limit = 0.0
     least = 2.0
     for j in range(7):
-        at_b = turn_to_middle(P, j, b[j])
         at_a = turn_to_middle(P, j, a[j])
-        off = beyond(P, j, at_b)
-        if off > 0.0:
-            inside = max(-beyond(P, j, at_a), 0.0)
+        if joint_beyond(P, j, b) > 0.0:
+            # Across the middle of a narrow gap, the closest turn is outside the limit on its other side.
+            at_b = at_a + short_way(b[j] - at_a)
+            inside, off = max(-beyond(P, j, at_a), 0.0), beyond(P, j, at_b)
             if inside < least * (inside + off):
                 joint, least = j, inside / (inside + off)
                 limit = P[UPPER + j] if at_b > P[UPPER + j] else P[LOWER + j]

@@ -12,9 +12,10 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
-from srs_ik.kernels.curves.ends import joint_beyond
+from srs_ik.kernels.curves.ends import closed_inside, joint_beyond
 from srs_ik.kernels.curves.follow import between, put, share_of_chord, tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.lowest import UNSURE
 from srs_ik.kernels.curves.told import UNTOLD, turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
@@ -182,12 +183,17 @@ def stays_on_side(P, j, end, ways, rates):
 def turn_across(P, by, a, b, joint_end):
     """The posture between two on one side of a limit, of joint j at an end, where that turns around on the other side.
 
-    Returns the posture, and whether there is one.
+    Or where it comes back to it, up to what rounding makes of postures in step. Returns the posture, and whether there
+    is one.
     """
     j, end = joint_end
     outside = outside_of(P, j, end, turn_to_middle(P, j, a[j])) > 0.0
     q = turning_between(P, by, a, b, 1.0 if (end == 1) != outside else -1.0, j, UNTOLD)
-    return q, (outside_of(P, j, end, turn_to_middle(P, j, q[j])) > 0.0) != outside
+    off = outside_of(P, j, end, turn_to_middle(P, j, q[j]))
+    if outside and 0.0 < off < UNSURE:
+        q, met = closed_inside(P, by, q)
+        return q, met and share_of_chord(a, b, q) < 1.0
+    return q, (off > 0.0) != outside
 
 
 @kernel

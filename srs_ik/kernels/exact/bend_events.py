@@ -122,13 +122,13 @@ def beyond_middle_along(P, k, end, curve):
 
 @kernel
 def short_of_end_along(axis, gap, curve):
-    """`short_of_end` along a curve of unit vectors: a constant, a linear and a square part."""
-    off = sub(axis, curve[0])
-    return (
-        short_of_end(axis, gap, curve[0], 0.0),
-        dot(off, curve[1]),
-        dot(off, curve[2]) - 0.5 * dot(curve[1], curve[1]),
-    )
+    """`short_of_end` along a curve of unit vectors: a constant, a linear and a square part, right at three of them."""
+    start, slope, square = curve
+    last = add(start, add(slope, square))
+    first, end = short_of_end(axis, gap, start, 0.0), short_of_end(axis, gap, last, 0.0)
+    middle = short_of_end(axis, gap, add(start, add(scale(0.5, slope), scale(0.25, square))), 0.0)
+    bow = first + end - 2.0 * middle
+    return first, end - first - 2.0 * bow, 2.0 * bow
 
 
 @kernel

@@ -115,14 +115,15 @@ def add_approach(axis, gap, circle, slack, events, n):
     """
     c, s = dot(axis, circle[1]), dot(axis, circle[2])
     size = math.sqrt(c * c + s * s)
-    if size < 1e-15:
+    wanted = math.sqrt(2.0 * gap)
+    if size < 1e-15 * (wanted + slack):
         return n
     closest = along(along(circle[0], c / size, circle[1]), s / size, circle[2])
-    wanted, least = math.sqrt(2.0 * gap), norm(sub(axis, closest))
+    least = norm(sub(axis, closest))
     # From the closest point on, the square of the distance grows by this times the square of the sine of half the way.
     most = 4.0 * size
     square = (wanted - least) * (wanted + least)
-    touch = 2.0 * (size * TOUCH + slack * wanted)
+    touch = 2.0 * (size * TOUCH + slack * (wanted + slack))
     if square < -touch or square > most + touch:
         return n
     middle, away = math.atan2(s, c), 2.0 * math.asin(math.sqrt(min(max(square / most, 0.0), 1.0)))
@@ -133,12 +134,11 @@ def add_approach(axis, gap, circle, slack, events, n):
 @kernel
 def add_middle(P, k, circle, end, events, n):
     """Insert the arm angles at which a middle joint is on its lower (0) or upper (1) limit."""
-    a1, sine, slack = load3(P, k + at.A1), 1.0, P[at.SLACK_LIMIT]
-    value = P[k + at.BOUND_2_LOWER + end]
+    a1, value = load3(P, k + at.A1), P[k + at.BOUND_2_LOWER + end]
     if abs(value) >= NEXT_TO_END:
-        sine = math.sqrt(2.0 * max(1.0 - abs(value), 0.0)) + slack
-    rest = -beyond_middle(P, k, end, circle[0], dot(circle[1], circle[1]))
-    return put_roots(dot(a1, circle[1]), dot(a1, circle[2]), rest, (1e-15 * sine, slack * sine), events, n)
+        way, gap = end_of_middle(P, k, end)
+        return add_approach(scale(way, a1), gap, circle, P[at.SLACK_LIMIT], events, n)
+    return add_roots(a1, circle, value, P[at.SLACK_LIMIT], events, n)
 
 
 @kernel

@@ -27,7 +27,7 @@ TOUCHING = 1e-7
 """Arm angles that two joints keep apart by less than this, rad, may be one for both; whether it is, is looked at."""
 
 ALONE = 0.01
-"""What may be one arm angle ends short of its neighbours by this part of its width."""
+"""What may be one arm angle ends short of its neighbours by this part of its width at most."""
 
 
 @kernel
@@ -192,7 +192,7 @@ def intersect(P, motions, a, b, branch, out, n):
                         psi, met = touch(P, motions, (a[2], b[2]), (of_a[i, 0], of_a[i, 1]), other)
                         if may_touch(P, lower - upper):
                             # Alone, so that it does not join what two gaps keep apart.
-                            spare = ALONE * (lower - upper)
+                            spare = min(ALONE * (lower - upper), 2.0 * SAME)
                             n = write_interval(out, first, n, branch, upper + spare, lower - spare)
                         elif met or lower <= upper + P[SLACK_JOIN]:
                             n = write_interval(out, first, n, branch, psi, psi)

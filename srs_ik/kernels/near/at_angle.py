@@ -10,8 +10,11 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
+from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
@@ -27,6 +30,7 @@ from srs_ik.kernels.near.second_attempts import (
     ATTEMPTS,
     STRETCHED,
     evaluate_again,
+    found_again,
     may_be_on_line,
     nearest_on_line,
     stretched,
@@ -311,12 +315,12 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
     if lowest < OUTSIDE or (followed.certain and not OUTSIDE <= lowest < OUTSIDE + BARELY):
         return q, best, lowest
+    within, kept = Setting(target, by.side, True, J, A), followed.runs.shape[0]
     if respect:
         # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
-        within = Setting(target, by.side, True, J, A)
-        q, best, lowest = from_curves(
-            P, within, on_curves.followed_curves(P, within), psi, wanted, goal, (q, best, lowest)
-        )
+        inside = on_curves.followed_curves(P, within)
+        kept = inside.runs.shape[0]
+        q, best, lowest = from_curves(P, within, inside, psi, wanted, goal, (q, best, lowest))
         if lowest < OUTSIDE or followed.certain:
             return q, best, lowest
     if lowest >= NO_BRANCH:
@@ -340,4 +344,12 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
         other, b, value = stretched(P, target, psi, wanted, goal, J, A)
         if value < lowest:
             q, best, lowest = other, b, value
+        if lowest >= OUTSIDE and respect and kept == 0:
+            # Where no curve keeps the limits, an interval is that of a posture beside them.
+            other, own, value = found_again(P, target, -1, Goal(False, NO_SEED, True), J, A)
+            ahead = short_way(arm_angle(P, other, place_[0], place_[1]) - psi)
+            there = value < OUTSIDE and on_curves.is_here(P, within, other, ahead)
+            if there and (wanted < 0 or is_on_border(P, other, wanted)):
+                other, value = cost_of_turn(P, other, goal)
+                q, best, lowest = other, (wanted if wanted >= 0 else own), value
     return q, best, lowest

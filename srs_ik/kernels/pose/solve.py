@@ -162,7 +162,7 @@ def put_inside(family, target, psi, branch, found, goal):
     inside = put_on_limits(P, target, psi, found, goal)
     if P[IS_NEAR] == 0.0 and (goal.seeded or inside[2] >= OUTSIDE) and hides_some(P, target.place):
         hidden = at_any_bend(family, target, psi, branch, goal, inside)
-        nearer = worse_by(hidden[2], inside[2], True) < -WORTH
+        nearer = inside[2] < OUTSIDE and worse_by(hidden[2], inside[2], True) < -WORTH
         if inside[2] >= OUTSIDE or (nearer and max(*pose_error(P, hidden[0], target.R, target.p)) < CLOSED):
             return at_its_angle(family, target, psi, branch, hidden, goal) if hidden[2] >= OUTSIDE else hidden
     return inside
