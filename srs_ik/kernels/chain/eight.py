@@ -113,9 +113,9 @@ def sines_of_eight(P, q):
 
 
 @kernel
-def in_own_branch(P, q):
-    """Which of eight postures, as bits, lie each in the branch of its place among them."""
-    s2, s4, s6 = sines_of_eight(P, q)
+def in_own_branch(sines):
+    """Which of eight postures, as bits, lie each in the branch of its place among them, told by `sines_of_eight`."""
+    s2, s4, s6 = sines
     wrong = as_bits(s4 < 0.0) ^ BEYOND_STRAIGHT
     wrong |= as_bits(s2 < 0.0) ^ BEYOND_SHOULDER
     wrong |= as_bits(s6 < 0.0) ^ BEYOND_WRIST

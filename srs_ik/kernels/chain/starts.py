@@ -9,7 +9,7 @@ import math
 
 from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import store7, with_joint
-from srs_ik.kernels.algebra.lanes import as_bits
+from srs_ik.kernels.algebra.lanes import as_bits, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import in_own_branch, put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle, pose_step
@@ -21,7 +21,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, UNSURE, branch_of, elbow_sta
 from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
 from srs_ik.kernels.limb.in_line import ROUNDED, closest, may_line_up, toward_of
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.postures_eight import eight_branches
+from srs_ik.kernels.limb.postures_eight import eight_branches, farthest_turns, join_parts
 from srs_ik.kernels.limb.surface import split, width_for_curves
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -103,9 +103,14 @@ def close_all(P, target, psi, wanted, goal, each, A):
     exist = start_all(P, bent, psi, seeded, seed, respect, A)
     rows = row(A, FIRST)
     closed, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
-    _, _, s6 = sines_of_eight(P, closed)
-    again = exist & ~as_bits(abs(s6) > SINGULAR_WRIST) if each and bent[3] == place_[3] else exist
-    met &= exist & in_own_branch(P, closed)
+    sines = sines_of_eight(P, closed)
+    met &= exist & in_own_branch(sines)
+    if met == ALL and not seeded:
+        closed, parts = farthest_turns(P, closed, respect)
+        put_eight(rows, WIDTH, ALL, closed)
+        scatter(rows, ROW_COST, WIDTH, join_parts(parts))
+        return
+    again = exist & ~as_bits(abs(sines[2]) > SINGULAR_WRIST) if each and bent[3] == place_[3] else exist
     put_eight(rows, WIDTH, met, closed)
     for b in range(8):
         if wanted >= 0 and b != wanted:

@@ -155,9 +155,8 @@ def farthest_turn(P, joint, q, respect):
 
 
 @kernel
-def farthest_branches(P, place_, psi, respect):
-    """`eight_branches` in the turns farthest from the limits; whether all are sure; costs of shoulder, elbow, wrist."""
-    q, sure = eight_branches(P, place_, psi)
+def farthest_turns(P, q, respect):
+    """Eight postures in the turns farthest from the limits; costs of shoulder, elbow, wrist."""
     a, cost_a = farthest_turn(P, 0, q[0], respect)
     b, cost_b = farthest_turn(P, 1, q[1], respect)
     c, cost_c = farthest_turn(P, 2, q[2], respect)
@@ -166,7 +165,15 @@ def farthest_branches(P, place_, psi, respect):
     f, cost_f = farthest_turn(P, 5, q[5], respect)
     g, cost_g = farthest_turn(P, 6, q[6], respect)
     shoulder, wrist = larger(larger(cost_a, cost_b), cost_c), larger(larger(cost_e, cost_f), cost_g)
-    return (a, b, c, d, e, f, g), sure, (shoulder, elbow, wrist)
+    return (a, b, c, d, e, f, g), (shoulder, elbow, wrist)
+
+
+@kernel
+def farthest_branches(P, place_, psi, respect):
+    """`eight_branches` in the turns farthest from the limits; whether all are sure; costs of shoulder, elbow, wrist."""
+    q, sure = eight_branches(P, place_, psi)
+    q, parts = farthest_turns(P, q, respect)
+    return q, sure, parts
 
 
 @kernel
