@@ -31,7 +31,7 @@ def as_bits(condition: Any) -> Any:
 
 def as_mask(number: Any) -> Any:
     """The lowest eight bits of a number as truth values."""
-    return np.unpackbits(np.array([number], np.uint8), bitorder="little").astype(bool)
+    return np.unpackbits(np.array([number & 255], np.uint8), bitorder="little").astype(bool)
 
 
 def eight_of(a: Any, b: Any, c: Any, d: Any, e: Any, f: Any, g: Any, h: Any) -> Any:

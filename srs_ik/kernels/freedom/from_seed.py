@@ -167,6 +167,6 @@ def from_seed(family, P, pose, freedom, goal, liking, desk):
     q, cost, error, _ = searched(P, drawn(P, pose, freedom, liking, desk), pose, freedom, liking, desk)
     if error < SOLVED and cost < found.cost:
         found = Found(q, cost, True)
-    if freedom.cone <= THIN and is_loose(P, freedom.axis) and hides_postures(P, pose):
+    if freedom.cone <= THIN and is_loose(P, freedom.axis) and (P[IS_CLOSED] == 1.0 or hides_postures(P, pose)):
         found = with_roll_held(family, P, pose, freedom, goal, liking, found, desk)
     return found, False
