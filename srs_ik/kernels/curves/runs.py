@@ -16,7 +16,7 @@ from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
 from srs_ik.kernels.curves.ends import corner, dip, edge, is_exact, on_curve, put_infeasibilities
 from srs_ik.kernels.curves.follow import BLURRED, CURVE, put
-from srs_ik.kernels.curves.gaps import MOST_TURNS, put_bounds, put_gaps
+from srs_ik.kernels.curves.gaps import MOST_TURNS, WAY, WAY_TOLD, put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
 from srs_ik.kernels.curves.lowest import dip_near
 from srs_ik.kernels.exact.samples import take_samples
@@ -186,10 +186,12 @@ def unroll(P, by, rows, curve, line):
             if off[first + i, 0] > worst:
                 start, worst = i, off[first + i, 0]
     length = rows[first + count - 1, 0]
-    gaps, turns = np.empty((MOST_GAPS, SAMPLE)), np.empty((MOST_TURNS, SAMPLE))
+    ways = np.empty((rows.shape[0], WAY))
+    for i in range(first, first + count):
+        ways[i, WAY_TOLD] = 0.0
+    gaps, room = np.empty((MOST_GAPS, SAMPLE)), (np.empty((MOST_TURNS, SAMPLE)), (rows, ways))
     n = 0
-    x = 0.0
-    q = NO_SEED
+    before = 0.0, NO_SEED, -1
     f = 0.0
     for i in range(count):
         j = start + i
@@ -197,18 +199,17 @@ def unroll(P, by, rows, curve, line):
         if j >= count:
             j -= count - 1
             round_ = length
-        next_x = rows[first + j, 0] + round_
-        next_q = load_sample(rows[first + j])
+        here = rows[first + j, 0] + round_, load_sample(rows[first + j]), first + j
         next_f = off[first + j, 0]
-        if by.respect and i > 0 and may_meet(f, next_f, ARC * (next_x - x)):
-            for k in range(put_gaps(P, by, (x, q), (next_x, next_q), gaps, 0)):
-                gap_x, gap_q = gaps[k, 0], load_sample(gaps[k])
-                n = put_bounds(P, by, (x, q), (gap_x, gap_q), turns, line, n)
-                n = put(line, n, gap_x, gap_q)
-                x, q = gap_x, gap_q
-            n = put_bounds(P, by, (x, q), (next_x, next_q), turns, line, n)
-        n = put(line, n, next_x, next_q)
-        x, q, f = next_x, next_q, next_f
+        if by.respect and i > 0 and may_meet(f, next_f, ARC * (here[0] - before[0])):
+            for k in range(put_gaps(P, by, before[:2], here[:2], gaps, 0)):
+                gap = gaps[k, 0], load_sample(gaps[k]), -1
+                n = put_bounds(P, by, before, gap, room, line, n)
+                n = put(line, n, gap[0], gap[1])
+                before = gap
+            n = put_bounds(P, by, before, here, room, line, n)
+        n = put(line, n, here[0], here[1])
+        before, f = here, next_f
     return n
 
 

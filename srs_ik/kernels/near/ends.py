@@ -7,14 +7,30 @@ import numpy as np
 from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.curves.ends import beyond_any_of_eight, beyond_limits
+from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.near.scan import in_branches, put_certain
+from srs_ik.kernels.near.scan import (
+    POINT_NEXT,
+    POINT_OFF,
+    POINT_PSI,
+    STRETCH_BRANCH,
+    STRETCH_FIRST,
+    STRETCH_LAST,
+    STRETCH_LOWER,
+    STRETCH_SCANNED,
+    STRETCH_STATES,
+    STRETCH_UPPER,
+    in_branches,
+    inside_between,
+    put_certain,
+)
 
 MARGINS = 1e-9
 SPARE = 0.5
@@ -38,10 +54,17 @@ BY_CLOSED_FORM = (UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD)
 
 MAX_ENDS = 256
 
-CUT = 19
+CUT = 21
 CUT_SLACKS = 5
+CUT_PARTS = 19
+CUT_STRETCHES = 20
 """A row of `arcs.without_arcs`, and behind it how far each joint is outside its limits, as a band counts it, at the
-lower end and at the upper one."""
+lower end and at the upper one; how many parts of it are feasible for certain, and how many stretches there are up to
+it on which ends lie."""
+
+
+OUTSIDE, INSIDE, ANY = range(3)
+"""States at an arm angle: outside the limits, inside, or told by the posture there; then it is an end, if inside."""
 
 
 @kernel
@@ -84,6 +107,60 @@ def put_end(ends, n, q, branch, at):
 def put_fixed_at(point, psi, branch, ends, n):
     """Append an end at an arm angle that is inside the limits, that of a point or one next to it."""
     return put_end(ends, n, read7(point), branch, (psi, 0.0, psi, psi))
+
+
+@kernel
+def put_scanned(P, view, stretch, ends, n):
+    """Append the ends on a stretch that is scanned; their number, -1 where what is expected at its own is not there."""
+    points, branch = view.points, stretch[STRETCH_BRANCH]
+    first, last = int(stretch[STRETCH_FIRST]), int(stretch[STRETCH_LAST])
+    at_first, at_last = stretch[STRETCH_STATES], stretch[STRETCH_STATES + 1]
+    starts_inside, ends_inside = points[first, POINT_OFF] <= 0.0, points[last, POINT_OFF] <= 0.0
+    if at_first != ANY and starts_inside != (at_first == INSIDE):
+        return -1
+    if at_last != ANY and ends_inside != (at_last == INSIDE):
+        return -1
+    if at_first == ANY and starts_inside:
+        n = put_fixed_at(points[first], points[first, POINT_PSI], branch, ends, n)
+    a = first
+    while a != last:
+        b = int(points[a, POINT_NEXT])
+        inside = points[b, POINT_OFF] <= 0.0
+        if inside != (points[a, POINT_OFF] <= 0.0):
+            k = b if inside else a
+            at = (points[k, POINT_PSI], -1.0 if inside else 1.0, points[a, POINT_PSI], points[b, POINT_PSI])
+            # In another turn a joint would be on no limit on its way.
+            n = put_end(ends, n, turned(P, read7(points[k]), False, NO_SEED, True), branch, at)
+        elif not inside:
+            lower, upper = inside_between(P, view.target, points[a], points[b])
+            if lower <= upper:
+                n = put_fixed_at(points[a], lower, branch, ends, n)
+                n = put_fixed_at(points[a], upper, branch, ends, n)
+        a = b
+    if at_last == ANY and ends_inside:
+        n = put_fixed_at(points[last], points[last, POINT_PSI], branch, ends, n)
+    return n
+
+
+@kernel
+def put_ends(P, view, stretch, ends, n):
+    """Append the ends on a stretch; their number, -1 where it cannot be told."""
+    if stretch[STRETCH_SCANNED] == 1.0:
+        return put_scanned(P, view, stretch, ends, n)
+    lower, upper = stretch[STRETCH_LOWER], stretch[STRETCH_UPPER]
+    way = stretch[STRETCH_STATES] - stretch[STRETCH_STATES + 1]
+    return put_end(ends, n, BY_CLOSED_FORM, stretch[STRETCH_BRANCH], (upper if way < 0.0 else lower, way, lower, upper))
+
+
+@kernel
+def turn_ends(ends, first, n):
+    """Put the first of the ends of a circle, an upper one, behind the others, a turn later."""
+    copy(row(ends, first), row(ends, n), END)
+    for i in range(first, n):
+        copy(row(ends, i + 1), row(ends, i), END)
+    ends[n - 1, END_PSI] += TURN
+    ends[n - 1, END_FIRST] += TURN
+    ends[n - 1, END_LAST] += TURN
 
 
 @kernel

@@ -22,9 +22,7 @@ from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Setting
 from srs_ik.kernels.layout.limb import SIZE, SLACK_JOIN
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_needed, put_ends_of_arcs, without_arcs
 from srs_ik.kernels.near.band import (
@@ -36,22 +34,37 @@ from srs_ik.kernels.near.band import (
     widest,
 )
 from srs_ik.kernels.near.ends import (
+    ANY,
     BY_CLOSED_FORM,
     CUT,
+    CUT_PARTS,
     CUT_SLACKS,
+    CUT_STRETCHES,
     END,
     END_BRANCH,
-    END_FIRST,
-    END_LAST,
     END_PSI,
+    INSIDE,
     MARGINS,
     MAX_ENDS,
+    OUTSIDE,
     correct_ends,
     put_end,
-    put_fixed_at,
+    put_ends,
     put_slacks,
+    turn_ends,
 )
-from srs_ik.kernels.near.scan import LAST, POINT_BRANCH, POINT_NEXT, POINT_OFF, POINT_PSI, inside_between, scan, view_of
+from srs_ik.kernels.near.scan import (
+    POINT_BRANCH,
+    POINT_PSI,
+    STRETCH,
+    STRETCH_BRANCH,
+    STRETCH_LOWER,
+    STRETCH_SCANNED,
+    STRETCH_STATES,
+    STRETCH_UPPER,
+    scan,
+    view_of,
+)
 
 AT_END = 1e-10
 END_SHARE = 1e-3
@@ -60,41 +73,16 @@ END_SHARE = 1e-3
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
 
-OUTSIDE, INSIDE, ANY = range(3)
-"""States at an arm angle: outside the limits, inside, or told by the posture there; then it is an end, if inside."""
-
 
 @kernel
-def put_scanned(P, view, branch, stretch, states, ends, n):
-    """Append the ends on a stretch of arm angles whose own ends are in given states; their number, -1 if it fails."""
-    points = view.points
-    if not scan(P, view, branch, stretch[0], stretch[1]):
-        return -1
-    starts_inside, ends_inside = points[0, POINT_OFF] <= 0.0, points[LAST, POINT_OFF] <= 0.0
-    if states[0] != ANY and starts_inside != (states[0] == INSIDE):
-        return -1
-    if states[1] != ANY and ends_inside != (states[1] == INSIDE):
-        return -1
-    if states[0] == ANY and starts_inside:
-        n = put_fixed_at(points[0], points[0, POINT_PSI], branch, ends, n)
-    a = 0
-    while a != LAST:
-        b = int(points[a, POINT_NEXT])
-        inside = points[b, POINT_OFF] <= 0.0
-        if inside != (points[a, POINT_OFF] <= 0.0):
-            k = b if inside else a
-            at = (points[k, POINT_PSI], -1.0 if inside else 1.0, points[a, POINT_PSI], points[b, POINT_PSI])
-            # In another turn a joint would be on no limit on its way.
-            n = put_end(ends, n, turned(P, read7(points[k]), False, NO_SEED, True), branch, at)
-        elif not inside:
-            first, last = inside_between(P, view.target, points[a], points[b])
-            if first <= last:
-                n = put_fixed_at(points[a], first, branch, ends, n)
-                n = put_fixed_at(points[a], last, branch, ends, n)
-        a = b
-    if states[1] == ANY and ends_inside:
-        n = put_fixed_at(points[LAST], points[LAST, POINT_PSI], branch, ends, n)
-    return n
+def put_stretch(stretches, n, branch, ends, states, scanned):
+    """Append a stretch between two arm angles, inside the limits there or outside; the number of stretches."""
+    if n >= stretches.shape[0]:
+        return n
+    stretches[n, STRETCH_BRANCH], stretches[n, STRETCH_SCANNED] = branch, 1.0 if scanned else 0.0
+    stretches[n, STRETCH_LOWER], stretches[n, STRETCH_UPPER] = ends
+    stretches[n, STRETCH_STATES], stretches[n, STRETCH_STATES + 1] = states
+    return n + 1
 
 
 @kernel
@@ -132,57 +120,42 @@ def parts_inside(certain, n, branch, lower, upper, parts):
 
 
 @kernel
-def put_outer(P, view, cut, end, inside, ends, n):
-    """Append the ends between what is feasible for certain and an outer end (0, 1), that of an arc or of what may be.
+def put_outer(view, cut, end, inside, stretches, n):
+    """Append the stretch between what is feasible for certain and an outer end (0, 1) of an interval.
 
-    `cut` is a row of `without_arcs`.
+    `cut` is a row of `without_arcs`: that end is one of an arc, or of what may be feasible.
     """
-    branch, outside = int(cut[0]), cut[1 + end]
-    first, last = min(inside, outside), max(inside, outside)
+    first, last = min(inside, cut[1 + end]), max(inside, cut[1 + end])
     on_arc = cut[3 + end] >= 0.0
     if on_arc and last - first < MARGINS:
-        return put_end(ends, n, BY_CLOSED_FORM, branch, (inside, 0.0, inside, inside))
-    if not on_arc and is_simple(cut, CUT_SLACKS + 7 * end, last - first, view.band):
-        return put_end(ends, n, BY_CLOSED_FORM, branch, (inside, 2.0 * end - 1.0, first, last))
+        return put_stretch(stretches, n, cut[0], (inside, inside), (INSIDE, INSIDE), False)
+    scanned = on_arc or not is_simple(cut, CUT_SLACKS + 7 * end, last - first, view.band)
     state = ANY if on_arc else OUTSIDE
-    return put_scanned(P, view, branch, (first, last), (INSIDE, state) if end == 1 else (state, INSIDE), ends, n)
+    return put_stretch(stretches, n, cut[0], (first, last), (INSIDE, state) if end == 1 else (state, INSIDE), scanned)
 
 
 @kernel
-def put_ends(P, view, cut, parts, ends, n):
-    """Append the ends of what is feasible in an interval, of which some parts are for certain; their number.
+def is_circle(cut):
+    """Whether an interval, a row of `without_arcs`, is a whole circle."""
+    return cut[2] - cut[1] >= TURN - MARGINS and cut[3] < 0.0
 
-    `cut` is a row of `without_arcs`. Returns -1 where it cannot be told.
+
+@kernel
+def put_stretches(view, cut, parts, stretches, n):
+    """Append the stretches on which the ends of what is feasible in an interval lie; their number.
+
+    `cut` is a row of `without_arcs`; some parts of it are feasible for certain.
     """
-    branch, lower, upper = int(cut[0]), cut[1], cut[2]
-    count = parts.shape[0]
-    whole = upper - lower >= TURN - MARGINS and cut[3] < 0.0
+    count, whole = parts.shape[0], is_circle(cut)
     if count == 0:
         states = (ANY if whole or cut[3] >= 0.0 else OUTSIDE, ANY if whole or cut[4] >= 0.0 else OUTSIDE)
-        return put_scanned(P, view, branch, (lower, upper), states, ends, n)
-    start = n
+        return put_stretch(stretches, n, cut[0], (cut[1], cut[2]), states, True)
     if not whole:
-        n = put_outer(P, view, cut, 0, parts[0, 0], ends, n)
+        n = put_outer(view, cut, 0, parts[0, 0], stretches, n)
     for i in range(count if whole else count - 1):
-        if n < 0:
-            return n
         b = parts[i + 1, 0] if i + 1 < count else parts[0, 0] + TURN
-        n = put_scanned(P, view, branch, (parts[i, 1], b), (INSIDE, INSIDE), ends, n)
-    if n < 0 or n >= MAX_ENDS:
-        return -1
-    if not whole:
-        return put_outer(P, view, cut, 1, parts[count - 1, 1], ends, n)
-    if n > start:
-        # On a circle, the first of the ends is an upper one: it comes last, a turn later.
-        for j in range(END):
-            ends[n, j] = ends[start, j]
-        for i in range(start, n):
-            for j in range(END):
-                ends[i, j] = ends[i + 1, j]
-        ends[n - 1, END_PSI] += TURN
-        ends[n - 1, END_FIRST] += TURN
-        ends[n - 1, END_LAST] += TURN
-    return n
+        n = put_stretch(stretches, n, cut[0], (parts[i, 1], b), (INSIDE, INSIDE), True)
+    return n if whole else put_outer(view, cut, 1, parts[count - 1, 1], stretches, n)
 
 
 @kernel
@@ -192,6 +165,38 @@ def write_whole(out, n, branch):
     out[n, 1] = -PI
     out[n, 2] = PI
     return n + 1
+
+
+@kernel
+def ends_of_intervals(P, view, possible, certain, ends, out):
+    """Write the ends of what is feasible, and as intervals the whole circles; how many ends (-1: not told) and circles.
+
+    Both what may be feasible and what is so for certain are rows of `without_arcs`.
+    """
+    stretches, parts = np.empty((MAX_ENDS, STRETCH)), np.empty((MAX_PIECES, 2))
+    count, used = 0, 0
+    for i in range(possible.shape[0]):
+        cut = row(possible, i)
+        n_parts = parts_inside(certain, certain.shape[0], int(cut[0]), cut[1], cut[2], parts)
+        used += n_parts
+        if n_parts != 1 or parts[0, 1] - parts[0, 0] < TURN - MARGINS:
+            count = put_stretches(view, cut, parts[:n_parts], stretches, count)
+        cut[CUT_PARTS], cut[CUT_STRETCHES] = n_parts, count
+    if used != certain.shape[0] or count >= MAX_ENDS or not scan(P, view, stretches[:count]):
+        return -1, 0
+    k, n_ends, n = 0, 0, 0
+    for i in range(possible.shape[0]):
+        start = n_ends
+        while k < possible[i, CUT_STRETCHES]:
+            n_ends = put_ends(P, view, row(stretches, k), ends, n_ends)
+            if n_ends < 0 or n_ends >= MAX_ENDS:
+                return -1, 0
+            k += 1
+        if possible[i, CUT_PARTS] > 0.0 and n_ends == start:
+            n = write_whole(out, n, possible[i, 0])
+        elif possible[i, CUT_PARTS] > 0.0 and is_circle(possible[i]):
+            turn_ends(ends, start, n_ends)
+    return n_ends, n
 
 
 @kernel
@@ -313,22 +318,8 @@ def predicted_intervals(P, target, out, J, A):
     n_certain = without_arcs(certain, n_certain, arcs, n_arcs, certain_cuts)
     put_slacks(P, view, cuts[:n_possible])
     ends = np.empty((MAX_ENDS + 8, END))
-    parts = np.empty((MAX_PIECES, 2))
-    n_ends = 0
-    n = 0
-    used = 0
-    for i in range(n_possible):
-        branch = int(cuts[i, 0])
-        count = parts_inside(certain_cuts, n_certain, branch, cuts[i, 1], cuts[i, 2], parts)
-        used += count
-        start = n_ends
-        if count != 1 or parts[0, 1] - parts[0, 0] < TURN - MARGINS:
-            n_ends = put_ends(P, view, cuts[i], parts[:count], ends, n_ends)
-        if n_ends < 0 or n_ends >= MAX_ENDS:
-            return -1
-        if count > 0 and n_ends == start:
-            n = write_whole(out, n, branch)
-    if used != n_certain:
+    n_ends, n = ends_of_intervals(P, view, cuts[:n_possible], certain_cuts[:n_certain], ends, out)
+    if n_ends < 0:
         return -1
     if not correct_ends(P, view, ends, n_ends):
         return -1

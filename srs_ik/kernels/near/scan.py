@@ -1,6 +1,8 @@
-"""A stretch of arm angles looked at closely on the true chain: points eight at a time, until no limit can be missed."""
+"""Stretches of arm angles looked at closely on the true chain: points eight at a time, until no limit can be missed."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -12,11 +14,12 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.newton_eight import PROBED, close_in_planes, half_planes
+from srs_ik.kernels.curves.ends import beyond_limits
 from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
-from srs_ik.kernels.limb.limits import PER_TURN, beyond, turn_to_middle
+from srs_ik.kernels.limb.limits import PER_TURN, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -27,19 +30,26 @@ POINT_PSI = 7
 POINT_RATES = 8
 POINT_OFF = 15
 POINT_BRANCH = 16
+POINT_BEYOND = 17
 POINT_COSTS = 17
 POINT_SLOPES = 24
 POINT_NEXT = 31
 POINT_SINE = 32
-"""A point: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits, branch; where
-costs count (`within`), cost of each joint and its rate with the arm angle, and in the place of the limits the cost;
-the row of the point that comes next; how far shoulder and wrist are from singular."""
+"""A point: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits, branch, how far
+each joint is outside; where costs count (`within`), cost of each joint and its rate with the arm angle in their place,
+and the point's cost; the row of the point that comes next; how far shoulder and wrist are from singular."""
 
-LAST = 7
-"""Of the first eight points of a stretch, the one at its end."""
+STRETCH = 8
+STRETCH_BRANCH, STRETCH_LOWER, STRETCH_UPPER, STRETCH_STATES = range(4)
+STRETCH_SCANNED, STRETCH_FIRST, STRETCH_LAST = range(5, 8)
+"""A stretch: branch, first and last arm angle, what is expected at either, whether its points are looked at, and the
+rows of the first and the last of these."""
 
-MAX_POINTS = 1024
-"""Room for the points between two arm angles."""
+MAX_POINTS = 2048
+"""Room for the points of a pose."""
+
+FEWEST_PARTS = 3
+"""A stretch is divided into so many gaps at least."""
 
 LARGEST_GAP = 0.3
 SMALLEST_GAP = 1e-9
@@ -131,12 +141,14 @@ def put_between(P, view, points, pairs, count, n):
 
 
 @kernel
-def outside_by(P, point):
-    """By how much a point is outside the limits, rad."""
-    worst = -PI
+def tell_limits(P, rows):
+    """Tell how far eight points and each of their joints are outside the limits, rad; negative inside."""
+    worst = 0.0 * gather(rows, 0, POINT) - PI
     for j in range(7):
-        worst = max(worst, beyond(P, j, turn_to_middle(P, j, point[j])))
-    return worst
+        off = beyond_limits(P, j, gather(rows, j, POINT))
+        scatter(rows, POINT_BEYOND + j, POINT, off)
+        worst = larger(worst, off)
+    scatter(rows, POINT_OFF, POINT, worst)
 
 
 @kernel
@@ -174,7 +186,7 @@ def is_decided(P, a, b):
     fastest, least, most = 0.0, -2.0 * PI, -2.0 * PI
     for j in range(7):
         way = FASTER * max(abs(a[POINT_RATES + j]), abs(b[POINT_RATES + j])) * width
-        both = beyond(P, j, turn_to_middle(P, j, a[j])) + beyond(P, j, turn_to_middle(P, j, b[j]))
+        both = a[POINT_BEYOND + j] + b[POINT_BEYOND + j]
         fastest = max(fastest, way)
         least = max(least, 0.5 * (both - way))
         most = max(most, 0.5 * (both + way))
@@ -223,42 +235,81 @@ def inside_between(P, target, a, b):
 
 
 @kernel
-def scan(P, view, branch, lower, upper):
-    """Look at the postures of a branch between two arm angles, closely enough to miss no limit; whether it is done.
+def spread(stretch, parts, points, gaps, n, left):
+    """Append points spread over a stretch, and the gaps between these: the numbers of both."""
+    lower, upper = stretch[STRETCH_LOWER], stretch[STRETCH_UPPER]
+    for k in range(parts + 1):
+        points[n, POINT_PSI] = lower + (upper - lower) * k / parts
+        points[n, POINT_BRANCH] = stretch[STRETCH_BRANCH]
+        points[n, POINT_NEXT] = n + 1
+        if k > 0:
+            gaps[left, 0], gaps[left, 1] = n - 1, n
+            left += 1
+        n += 1
+    return n, left
+
+
+@kernel
+def put_spread(P, view, n):
+    """Fill up n points that are spread to whole eights, by copies, and look at them; whether all are met."""
+    points = view.points
+    for i in range(n, 8 * ((n + 7) // 8)):
+        points[i, POINT_PSI], points[i, POINT_BRANCH] = points[n - 1, POINT_PSI], points[n - 1, POINT_BRANCH]
+    met = True
+    for i in range(0, n, 8):
+        met = met and put_points(P, view, points, i)
+    return met
+
+
+@kernel
+def take_undecided(P, points, gaps, left, pairs):
+    """Take gaps from the end of those that are left, until eight are undecided: how many are left, and become pairs."""
+    count = 0
+    while left > 0 and count < 8:
+        left -= 1
+        a, b = gaps[left, 0], gaps[left, 1]
+        if not is_decided(P, points[a], points[b]):
+            pairs[count, 0], pairs[count, 1] = a, b
+            count += 1
+    return left, count
+
+
+@kernel
+def scan(P, view, stretches):
+    """Look at the postures of stretches closely enough to miss no limit; whether it is done.
 
     Gaps between points are halved until each is decided. The points are those of the view, and each tells which one
-    comes next, from the first to the one in row LAST.
+    comes next, from the first of a stretch to its last.
     """
     points, gaps = view.points, view.gaps
-    for i in range(8):
-        points[i, POINT_PSI] = lower + (upper - lower) * i / LAST
-        points[i, POINT_BRANCH] = branch
-        points[i, POINT_NEXT] = i + 1
-        gaps[i, 0], gaps[i, 1] = i, i + 1
-    left = LAST
-    n = LAST + 1
-    if not put_points(P, view, points, 0):
-        return False
-    while True:
-        for i in range(n - 8, n):
-            points[i, POINT_OFF] = outside_by(P, points[i])
-        kept = 0
-        for i in range(left):
-            if not is_decided(P, points[gaps[i, 0]], points[gaps[i, 1]]):
-                gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
-                kept += 1
-        if kept == 0:
-            return True
-        # Eight gaps at a time; the others wait.
-        if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps, kept, n):
+    n, left = 0, 0
+    for i in range(stretches.shape[0]):
+        stretch = row(stretches, i)
+        parts = max(math.ceil((stretch[STRETCH_UPPER] - stretch[STRETCH_LOWER]) / LARGEST_GAP), FEWEST_PARTS)
+        if stretch[STRETCH_SCANNED] == 0.0:
+            continue
+        if n + parts + 8 > MAX_POINTS:
             return False
-        left = kept
-        for i in range(min(kept, 8)):
-            points[n + i, POINT_NEXT], points[gaps[i, 0], POINT_NEXT] = gaps[i, 1], n + i
-            gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
-            gaps[i, 1] = n + i
-            left += 1
-        n += 8
+        stretch[STRETCH_FIRST], stretch[STRETCH_LAST] = n, n + parts
+        n, left = spread(stretch, parts, points, gaps, n, left)
+    if not put_spread(P, view, n):
+        return False
+    for i in range(0, n, 8):
+        tell_limits(P, row(points, i))
+    pairs = np.empty((8, 2), np.int64)
+    left, count = take_undecided(P, points, gaps, left, pairs)
+    while count > 0:
+        if n + 8 > MAX_POINTS or not put_between(P, view, points, pairs, count, n):
+            return False
+        tell_limits(P, row(points, n))
+        for i in range(count):
+            points[n, POINT_NEXT], points[pairs[i, 0], POINT_NEXT] = pairs[i, 1], n
+            gaps[left, 0], gaps[left, 1] = pairs[i, 0], n
+            gaps[left + 1, 0], gaps[left + 1, 1] = n, pairs[i, 1]
+            left += 2
+            n += 1
+        left, count = take_undecided(P, points, gaps, left, pairs)
+    return True
 
 
 @kernel

@@ -93,28 +93,14 @@ def measure_points(P, points, first, last, best):
 
 @kernel
 def spread_points(found, points, gaps):
-    """Spread points over the first of some intervals: how many intervals, points, and gaps between these.
-
-    The points are filled up to whole eights by copies.
-    """
+    """Spread points over the first of some intervals: how many intervals, points, and gaps between these."""
     count, left, taken = 0, 0, 0
     for i in range(found.shape[0]):
-        lower, upper = found[i, 1], found[i, 2]
-        parts = max(math.ceil((upper - lower) / SPACING), 1)
+        parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
         if i > 0 and count + parts >= AT_ONCE:
             break
         taken += 1
-        for k in range(parts + 1):
-            points[count, scan.POINT_PSI] = lower + (upper - lower) * k / parts
-            points[count, scan.POINT_BRANCH] = found[i, 0]
-            if k > 0:
-                gaps[left, 0], gaps[left, 1] = count - 1, count
-                left += 1
-            count += 1
-    while count % 8 != 0:
-        points[count, scan.POINT_PSI] = points[count - 1, scan.POINT_PSI]
-        points[count, scan.POINT_BRANCH] = points[count - 1, scan.POINT_BRANCH]
-        count += 1
+        count, left = scan.spread(row(found, i), parts, points, gaps, count, left)
     return taken, count, left
 
 
@@ -242,11 +228,10 @@ def best_of_some(P, view, found, best):
     """`best_within` of the first of some intervals: also how many these are."""
     points, gaps = view.points, view.gaps
     taken, count, left = spread_points(found, points, gaps)
-    for i in range(0, count, 8):
-        if not scan.put_points(P, view, points, i):
-            return best, taken, False
+    if not scan.put_spread(P, view, count):
+        return best, taken, False
     best = measure_points(P, points, 0, count, best)
-    left, best = halve_gaps(P, view, count, left, best)
+    left, best = halve_gaps(P, view, 8 * ((count + 7) // 8), left, best)
     if left < 0:
         return best, taken, False
     kept = 0
