@@ -45,7 +45,7 @@ left out."""
 
 @kernel
 def searched(P, start, pose, freedom, rival, desk):
-    """`settle`, and once more where its steps end before it rests; from there at least onto its pose, or onto a roll in it."""
+    """`settle`, once more where its steps end before it rests; then at least onto its pose, or onto a roll in it."""
     there, cost, error, at_rest = settle(P, start, pose, freedom, rival, desk)
     if error < ALMOST and not at_rest:
         there, cost, error, at_rest = settle(P, there, pose, freedom, rival, desk)
