@@ -10,6 +10,7 @@ import pinocchio as pin
 import pytest
 from arms import generator
 from collision_oracle import Truth, clearance, file_of_and
+from scipy.spatial.transform import Rotation
 
 import srs_ik
 from srs_ik.errors import InvalidScene
@@ -382,6 +383,23 @@ def test_what_a_file_says_in_vain_is_refused(tmp_path, more, said):
     (tmp_path / "scene.json").write_text(json.dumps({"objects": [], **more}))
     with pytest.raises(InvalidScene, match=said):
         srs_ik.Scene.from_file(tmp_path / "scene.json")
+
+
+@pytest.mark.parametrize("turn", ["rpy", "quat"])
+def test_a_half_space_of_a_file_is_turned(tmp_path, arm, pose, turn):
+    """A floor that is turned is the wall whose normal SciPy gives, and takes other arm angles than the floor."""
+    rotation = Rotation.from_euler("xyz", [-0.9, 0.1, 0.2])
+    figures = rotation.as_euler("xyz") if turn == "rpy" else rotation.as_quat()
+    point, normal = [0.0, -0.2, 0.2], rotation.apply([0.0, 0.6, 0.8])
+    floor = {"name": "floor", "half_space": [0.0, 0.6, 0.8], "xyz": point}
+    (tmp_path / "turned.json").write_text(json.dumps({"objects": [floor | {turn: figures.tolist()}]}))
+    (tmp_path / "level.json").write_text(json.dumps({"objects": [floor]}))
+    turned, level = (srs_ik.Scene.from_file(tmp_path / f"{name}.json") for name in ("turned", "level"))
+    wall = srs_ik.Scene()
+    wall.add_half_space("wall", point, normal)
+    expected = ends(arm.intervals(pose, scene=wall))
+    assert np.allclose(ends(arm.intervals(pose, scene=turned)), expected, rtol=0.0, atol=1e-9)
+    assert not np.array_equal(ends(arm.intervals(pose, scene=level)), expected)
 
 
 def test_degrees_in_a_file_are_noticed(tmp_path):
