@@ -108,11 +108,14 @@ class BodyOwner(ChainKinematics):
             file: a mesh.
 
         Raises:
-            InvalidScene: the name is taken, the pose is none, sizes are not positive, or not one kind of form is given.
+            InvalidScene: the name is that of a link or of what is held already, the pose is none, sizes are not
+                positive, or not one kind of form is given.
         """
-        from srs_ik.collision.bodies import held
+        from srs_ik.collision.bodies import held, link_frames
         from srs_ik.collision.scene import Scene
 
+        if isinstance(name, str) and name in link_frames(self):
+            raise InvalidScene(f"{quoted(name)} is a link of {self.name}: an object in its hand needs another name")
         scene = Scene()
         given = (size is not None, radius is not None, file is not None)
         if sum(given) != 1 or (length is not None and radius is None):

@@ -58,8 +58,8 @@ def read_scene(file: str | Path) -> SceneFile:
     The file holds ``objects``, a list, and perhaps a ``margin`` and ``exact``. Each object has a ``name``, one kind
     with its figures (``sphere: radius``, ``box: [x, y, z]``, ``cylinder: [radius, length]``, ``mesh: FILE``,
     ``capsule: [radius, length]``, ``points: FILE or list`` with ``radius``, ``half_space: normal``), and its place:
-    ``xyz`` with ``rpy`` or ``quat`` (x, y, z, w), which turn the normal of a half-space too. Meshes and points are named
-    relative to the file.
+    ``xyz`` with ``rpy`` or ``quat`` (x, y, z, w), which turn the normal of a half-space too. Meshes and points are
+    named relative to the file.
 
     Raises:
         InvalidScene: it is no such file.
