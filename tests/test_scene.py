@@ -8,6 +8,7 @@ from types import SimpleNamespace as Message
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 from arms import generator
 from collision_oracle import Truth, clearance, file_of_and
 from scipy.spatial.transform import Rotation
@@ -407,6 +408,33 @@ def test_degrees_in_a_file_are_noticed(tmp_path):
     (tmp_path / "scene.json").write_text(json.dumps({"objects": [turned]}))
     with pytest.warns(UserWarning, match="rpy of 'a' is in radians, and 90 rad is more than a turn: are these degrees"):
         srs_ik.Scene.from_file(tmp_path / "scene.json")
+
+
+def test_millimetres_are_noticed(tmp_path, arm, recwarn):
+    """A beam of 80 mm in millimetres is no beam of 80 m: whoever adds it hears of it, and of how to scale it."""
+    stl = tmp_path / "beam.stl"
+    trimesh.creation.box([80.0, 20.0, 20.0]).export(stl)
+    part = {"name": "beam", "mesh": "beam.stl"}
+    (tmp_path / "scene.json").write_text(json.dumps({"objects": [part]}))
+    (tmp_path / "scaled.json").write_text(json.dumps({"objects": [part | {"scale": 0.001}]}))
+    beam = trimesh.creation.box([80.0, 20.0, 20.0])
+    said = "the mesh of 'beam' is in metres, and 80 m wide: are these millimetres. A scale of 0.001 makes metres"
+    for add in (
+        lambda: srs_ik.Scene().add_mesh("beam", np.eye(4), stl),
+        lambda: srs_ik.Scene().add_triangles("beam", np.eye(4), beam.vertices, beam.faces),
+        lambda: srs_ik.Scene.from_file(tmp_path / "scene.json"),
+        lambda: arm.with_object("beam", np.eye(4), file=stl),
+    ):
+        with pytest.warns(UserWarning, match=said):
+            add()
+    recwarn.clear()
+    srs_ik.Scene().add_mesh("beam", np.eye(4), stl, scale=0.001)
+    srs_ik.Scene.from_file(tmp_path / "scaled.json")
+    held = arm.with_object("beam", np.eye(4), file=stl, scale=0.001).plan.held[-1]
+    assert not recwarn.list
+    assert np.allclose(np.ptp(held.forms[0].vertices, axis=0).max(), 0.08, rtol=0.1)
+    with pytest.raises(InvalidScene, match="scale goes with the file of a mesh"):
+        arm.with_object("ball", np.eye(4), radius=0.1, scale=0.001)
 
 
 def test_messages_are_read_as_moveit_reads_them(arm, pose):
