@@ -191,6 +191,15 @@ def test_batches_index_into_solutions():
     for wrong in ((), (3,), (3, 2, 1)):
         with pytest.raises(IndexError, match=f"message takes 2 indices here, not {len(wrong)}"):
             batch.message(*wrong)
+    every = [[one.message for one in batch[k]] for k in range(20)]
+    assert np.asarray(batch.message).tolist() == batch.message[:].tolist() == every
+    assert batch.message[3, 2] == every[3][2]
+    assert batch.message[3].tolist() == every[3]
+    assert [row.tolist() for row in batch.message] == every
+    alone = arm.solve_batch(poses)
+    assert alone.message[:1].tolist() == [alone[0].message]
+    assert list(alone.message) == [one.message for one in alone]
+    assert len(alone.message[alone.ok]) == alone.solved
     assert repr(batch) == f"BatchSolution({batch.solved} of 160 solved)"
     assert batch[0].status.tolist() == [int(batch[0, k].status) for k in range(8)]
     assert set(batch.status.ravel().tolist()) <= {int(s) for s in Status}

@@ -161,6 +161,12 @@ def test_what_the_hand_holds_counts():
         holding.with_object("stick", np.eye(4), radius=0.1)
     with pytest.raises(InvalidScene, match="is given by"):
         arm.with_object("stick", np.eye(4))
+    for link in ("iiwa_link_3", "iiwa_link_ee"):
+        with pytest.raises(InvalidScene, match=f"'{link}' is a link of iiwa14: an object in its hand needs another"):
+            holding.with_object(link, np.eye(4), radius=0.1)
+    scene.add_sphere("stick", [0.0, 0.0, 3.0], 0.1)
+    with pytest.raises(InvalidScene, match="'stick' is a body of the arm"):
+        holding.solve(T, scene=scene)
     tool = holding.with_tool(srs_ik.pose_from_xyz_rpy([0.1, 0, 0], [0, 0, 0]))
     assert "stick" in [body.name for body in tool.bodies]
 

@@ -256,6 +256,9 @@ def test_a_store_of_another_robot_is_refused(made):
         build_map(arm, 0.2, "x.zarr", measures=["margins"])
     with pytest.raises(srs_ik.InvalidMap, match="step of a map"):
         build_map(arm, 0.0, "x.zarr")
+    for wrong in ([[-1, -1, 0], [1, 1, 1]], [[1, -1], [-1, 1], [0, 1]], "all"):
+        with pytest.raises(srs_ik.InvalidMap, match=r"\(3, 2\) metres: rows of x, y and z, each a lower and an upper"):
+            build_map(arm, 0.2, "x.zarr", box=wrong)
 
 
 def test_maps_of_two_tools_are_compared_and_of_two_places_combined(made, tmp_path):

@@ -166,6 +166,19 @@ def test_wrong_input_is_named():
         srs_ik.plots.plot_ellipsoids(arms.load("human_arm"), ANGLES, limits=True)
 
 
+def test_a_path_is_drawn_over_its_own_poses():
+    arm = arms.load("iiwa14")
+    pose = arm.forward_kinematics(ANGLES)
+    path = arm.solve_path([pose, pose], seed=ANGLES)
+    assert srs_ik.plots.plot_path(arm, [pose, pose], path)
+    for poses in ([pose] * 7, [pose], []):
+        with pytest.raises(srs_ik.InvalidPose, match=f"over its own poses: it has 2, and {len(poses)} are given"):
+            srs_ik.plots.plot_path(arm, poses, path)
+    for wrong in (path.q, None, 3):
+        with pytest.raises(srs_ik.InvalidConfiguration, match=r"a path is what Arm\.solve_path gives"):
+            srs_ik.plots.plot_path(arm, [pose, pose], wrong)
+
+
 def test_without_matplotlib_the_pip_command_is_given(monkeypatch):
     monkeypatch.delitem(sys.modules, "srs_ik.plots.picture", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)

@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 import umsgpack
 from meshcat.servers.tree import find_node
 from robot_files import joint_xml, robot_xml, serial_arm
@@ -241,6 +242,9 @@ def test_a_path_solution_is_played(view, arm):
         (lambda v: v.animate(np.zeros((3, 7)), 0.0), srs_ik.InvalidConfiguration, "positive"),
         (lambda v: v.animate("path", 0.1), srs_ik.InvalidConfiguration, r"\(N, 7\)"),
         (lambda v: v.show_ellipsoids(Q, part="full"), srs_ik.InvalidTask, "three dimensions"),
+        (lambda v: v.show_obstacles(3), srs_ik.InvalidScene, "a list of trimesh.Trimesh, not 3"),
+        (lambda v: v.show_obstacles([np.eye(4)]), srs_ik.InvalidScene, "a list of trimesh.Trimesh"),
+        (lambda v: v.show_obstacles(trimesh.creation.box()), srs_ik.InvalidScene, "a list of trimesh.Trimesh"),
         (lambda v: v.save("/no/such/folder/x.html"), srs_ik.PreviewError, "no folder"),
         (lambda v: v.save("/"), srs_ik.PreviewError, "is a folder"),
     ],

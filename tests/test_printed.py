@@ -105,3 +105,14 @@ def test_wrong_input_is_refused():
         printed_optimum(arm, pose, "manipulability", starts=0)
     with pytest.raises(InvalidConfiguration, match="a start"):
         printed_optimum(arm, pose, "manipulability", starts=[[0.0] * 6])
+    for none in (np.empty((0, 7)), []):
+        with pytest.raises(InvalidTask, match="at least one start"):
+            printed_optimum(arm, pose, "manipulability", starts=none)
+    for wrong in ("many", [[0.0], [0.0, 1.0]], None, True, 2.5, np.zeros((2, 2, 7))):
+        with pytest.raises(InvalidConfiguration, match="start"):
+            printed_optimum(arm, pose, "manipulability", starts=wrong)
+    for wrong in (-1, 0.5, None, "0", True):
+        with pytest.raises(InvalidTask, match="seed must be a whole number from 0"):
+            printed_optimum(arm, pose, "manipulability", seed=wrong)
+    with pytest.raises(InvalidTask, match="constraint must be"):
+        printed_optimum(arm, pose, "manipulability", constraint=np.array(["pose", "position"]))

@@ -1,6 +1,8 @@
 """The README shows a whole example early, and the documentation leaves out no public name."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import srs_ik
@@ -21,3 +23,12 @@ def test_the_documentation_has_every_public_name():
     if "::: srs_ik.errors\n" in page:
         documented |= {name for name, value in vars(errors).items() if isinstance(value, type)}
     assert [name for name in srs_ik.__all__ if name not in documented] == []
+
+
+def test_rooms_that_the_interface_names_are_there_after_one_import():
+    """In a process of its own: here, other tests have imported what they need."""
+    page = (ROOT / "docs" / "api.md").read_text()
+    rooms = re.findall(r"^::: (srs_ik\.control\.[a-z_]+)$", page, re.MULTILINE)
+    assert len(rooms) == 3
+    script = "import srs_ik\n" + "\n".join(rooms)
+    assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False).stderr == ""

@@ -8,8 +8,10 @@ from types import SimpleNamespace as Message
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 from arms import generator
 from collision_oracle import Truth, clearance, file_of_and
+from scipy.spatial.transform import Rotation
 
 import srs_ik
 from srs_ik.errors import InvalidScene
@@ -384,11 +386,55 @@ def test_what_a_file_says_in_vain_is_refused(tmp_path, more, said):
         srs_ik.Scene.from_file(tmp_path / "scene.json")
 
 
+@pytest.mark.parametrize("turn", ["rpy", "quat"])
+def test_a_half_space_of_a_file_is_turned(tmp_path, arm, pose, turn):
+    """A floor that is turned is the wall whose normal SciPy gives, and takes other arm angles than the floor."""
+    rotation = Rotation.from_euler("xyz", [-0.9, 0.1, 0.2])
+    figures = rotation.as_euler("xyz") if turn == "rpy" else rotation.as_quat()
+    point, normal = [0.0, -0.2, 0.2], rotation.apply([0.0, 0.6, 0.8])
+    floor = {"name": "floor", "half_space": [0.0, 0.6, 0.8], "xyz": point}
+    (tmp_path / "turned.json").write_text(json.dumps({"objects": [floor | {turn: figures.tolist()}]}))
+    (tmp_path / "level.json").write_text(json.dumps({"objects": [floor]}))
+    turned, level = (srs_ik.Scene.from_file(tmp_path / f"{name}.json") for name in ("turned", "level"))
+    wall = srs_ik.Scene()
+    wall.add_half_space("wall", point, normal)
+    expected = ends(arm.intervals(pose, scene=wall))
+    assert np.allclose(ends(arm.intervals(pose, scene=turned)), expected, rtol=0.0, atol=1e-9)
+    assert not np.array_equal(ends(arm.intervals(pose, scene=level)), expected)
+
+
 def test_degrees_in_a_file_are_noticed(tmp_path):
     turned = {"name": "a", "box": [1, 1, 1], "rpy": [0, 0, 90]}
     (tmp_path / "scene.json").write_text(json.dumps({"objects": [turned]}))
     with pytest.warns(UserWarning, match="rpy of 'a' is in radians, and 90 rad is more than a turn: are these degrees"):
         srs_ik.Scene.from_file(tmp_path / "scene.json")
+
+
+def test_millimetres_are_noticed(tmp_path, arm, recwarn):
+    """A beam of 80 mm in millimetres is no beam of 80 m: whoever adds it hears of it, and of how to scale it."""
+    stl = tmp_path / "beam.stl"
+    trimesh.creation.box([80.0, 20.0, 20.0]).export(stl)
+    part = {"name": "beam", "mesh": "beam.stl"}
+    (tmp_path / "scene.json").write_text(json.dumps({"objects": [part]}))
+    (tmp_path / "scaled.json").write_text(json.dumps({"objects": [part | {"scale": 0.001}]}))
+    beam = trimesh.creation.box([80.0, 20.0, 20.0])
+    said = "the mesh of 'beam' is in metres, and 80 m wide: are these millimetres. A scale of 0.001 makes metres"
+    for add in (
+        lambda: srs_ik.Scene().add_mesh("beam", np.eye(4), stl),
+        lambda: srs_ik.Scene().add_triangles("beam", np.eye(4), beam.vertices, beam.faces),
+        lambda: srs_ik.Scene.from_file(tmp_path / "scene.json"),
+        lambda: arm.with_object("beam", np.eye(4), file=stl),
+    ):
+        with pytest.warns(UserWarning, match=said):
+            add()
+    recwarn.clear()
+    srs_ik.Scene().add_mesh("beam", np.eye(4), stl, scale=0.001)
+    srs_ik.Scene.from_file(tmp_path / "scaled.json")
+    held = arm.with_object("beam", np.eye(4), file=stl, scale=0.001).plan.held[-1]
+    assert not recwarn.list
+    assert np.allclose(np.ptp(held.forms[0].vertices, axis=0).max(), 0.08, rtol=0.1)
+    with pytest.raises(InvalidScene, match="scale goes with the file of a mesh"):
+        arm.with_object("ball", np.eye(4), radius=0.1, scale=0.001)
 
 
 def test_messages_are_read_as_moveit_reads_them(arm, pose):

@@ -51,6 +51,10 @@ FLAGS = {
     "solve_path": ("closed", lambda arm, pose, flag: arm.solve_path([pose, pose], closed=flag)),
     "Scene": ("exact", lambda arm, pose, flag: srs_ik.Scene(exact=flag)),
     "force_polytope": ("gravity", lambda arm, pose, flag: srs_ik.force_polytope(arm, Q, gravity=flag)),
+    "printed_optimum": (
+        "respect_limits",
+        lambda arm, pose, flag: paper.printed_optimum(arm, pose, "manipulability", respect_limits=flag),
+    ),
     "load": ("allow_xacro", lambda arm, pose, flag: srs_ik.load("iiwa14", allow_xacro=flag)),
 }
 

@@ -83,7 +83,7 @@ def link_bodies(
         InvalidScene: spheres are given for a link that the robot does not have.
         InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
     """
-    frames = {f.name: f for f in arm.model.frames if f.type == pin.FrameType.BODY}
+    frames = link_frames(arm)
     if spheres is not None:
         return _all_given(arm.name, frames, spheres)
     shapes = [shape for shape in read_shapes(drawing)[0] if shape.link in frames]
@@ -97,6 +97,11 @@ def link_bodies(
     for shape in shapes:
         by_link.setdefault(shape.link, []).append(shape)
     return [_of_link(arm, name, frames[name], own, shelf) for name, own in by_link.items()]
+
+
+def link_frames(arm: ChainKinematics) -> dict[str, Any]:
+    """The frames of all links by name, in the order of the model."""
+    return {f.name: f for f in arm.model.frames if f.type == pin.FrameType.BODY}
 
 
 def _all_given(robot: str, frames: Mapping[str, Any], spheres: Mapping[str, Array]) -> list[Body]:

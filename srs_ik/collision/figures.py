@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,9 @@ LARGEST = 1e4
 """Largest size and coordinate of an object, m."""
 
 MOST_POINTS = 2_000_000
+
+_WIDE = 30.0
+"""A mesh that is wider than this, m, is taken for one in millimetres: a hall is no larger, a cup is 80 mm."""
 
 
 def as_margin(value: Any) -> float:
@@ -86,3 +90,11 @@ def as_points(points: Any, name: str) -> Array:
     if not (np.abs(cloud) <= LARGEST).all():
         raise InvalidScene(f"points of {quoted(name)} must be finite and no farther away than {LARGEST:g} m")
     return cloud
+
+
+def warn_of_millimetres(vertices: Array, name: str) -> None:
+    """Warn, naming its object, where a mesh (n, 3), which is in metres, is wider than what stands around an arm."""
+    extent = float(np.ptp(vertices, axis=0).max())
+    if extent > _WIDE:
+        said = f"the mesh of {quoted(name)} is in metres, and {extent:.4g} m wide: are these millimetres?"
+        warnings.warn(f"{said} A scale of 0.001 makes metres of them", UserWarning, stacklevel=2)

@@ -96,6 +96,7 @@ class BodyOwner(ChainKinematics):
         radius: float | None = None,
         length: float | None = None,
         file: str | Path | None = None,
+        scale: ArrayLike | None = None,
     ) -> Self:
         """This arm with an object in its hand, which counts as a part of it. The arm itself stays as it is.
 
@@ -106,21 +107,27 @@ class BodyOwner(ChainKinematics):
             radius: of a sphere, or with `length` of a cylinder along z, m.
             length: of a cylinder, m.
             file: a mesh.
+            scale: of the mesh, one factor, or one for each axis; 0.001 for a file in millimetres.
 
         Raises:
-            InvalidScene: the name is taken, the pose is none, sizes are not positive, or not one kind of form is given.
+            InvalidScene: the name is that of a link or of what is held already, the pose is none, sizes are not
+                positive, or not one kind of form is given.
         """
-        from srs_ik.collision.bodies import held
+        from srs_ik.collision.bodies import held, link_frames
         from srs_ik.collision.scene import Scene
 
+        if isinstance(name, str) and name in link_frames(self):
+            raise InvalidScene(f"{quoted(name)} is a link of {self.name}: an object in its hand needs another name")
         scene = Scene()
         given = (size is not None, radius is not None, file is not None)
         if sum(given) != 1 or (length is not None and radius is None):
             raise InvalidScene(f"{quoted(name)} is given by a size, by a radius (and a length), or by a file")
+        if file is None and scale is not None:
+            raise InvalidScene(f"scale goes with the file of a mesh, and {quoted(name)} has none")
         if size is not None:
             scene.add_box(name, pose, size)
         elif file is not None:
-            scene.add_mesh(name, pose, file)
+            scene.add_mesh(name, pose, file, 1.0 if scale is None else scale)
         elif radius is not None:
             # A sphere has a pose, too: its centre.
             scene.add_cylinder(name, pose, radius, radius if length is None else length)

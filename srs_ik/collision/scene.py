@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.collision.figures import LARGEST, as_margin, as_name, as_points, as_pose, as_positive, as_vector
+from srs_ik.collision.figures import (
+    LARGEST,
+    as_margin,
+    as_name,
+    as_points,
+    as_pose,
+    as_positive,
+    as_vector,
+    warn_of_millimetres,
+)
 from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
 from srs_ik.collision.thing import CELL, Thing, ball_of, cells_of
 from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
@@ -130,13 +139,13 @@ class Scene:
         self._add_form(name, as_pose(pose, name), "capsule", self._round(name, radius, length))
 
     def add_mesh(self, name: str, pose: PoseLike, file: str | Path, scale: ArrayLike = 1.0) -> None:
-        """Add a mesh, covered by spheres.
+        """Add a mesh, covered by spheres. A mesh wider than 30 m gets a warning: it may be in millimetres.
 
         Args:
             name: of the object.
             pose: of the frame of the mesh.
             file: .stl, .obj, .dae, .ply, .off, .glb or .gltf.
-            scale: one factor, or one for each axis.
+            scale: one factor, or one for each axis; 0.001 for a file in millimetres.
 
         Raises:
             InvalidScene: the name is taken, the pose or the scale is none, or the file cannot be read.
@@ -184,6 +193,7 @@ class Scene:
             )
         triangles = triangles.astype(np.int64)
         thing = Thing(as_name(name), as_pose(pose, name), (Form("mesh", (), np.eye(4), points, triangles),))
+        warn_of_millimetres(points, name)
         self._put_spheres(thing, covered_mesh(points, triangles, MESH_SPHERES)[0])
         self._put(thing)
 

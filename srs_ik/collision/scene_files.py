@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.collision.figures import as_vector
 from srs_ik.collision.sphere_files import read_tree_of
 from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.messages import pose_matrix
@@ -57,7 +58,8 @@ def read_scene(file: str | Path) -> SceneFile:
     The file holds ``objects``, a list, and perhaps a ``margin`` and ``exact``. Each object has a ``name``, one kind
     with its figures (``sphere: radius``, ``box: [x, y, z]``, ``cylinder: [radius, length]``, ``mesh: FILE``,
     ``capsule: [radius, length]``, ``points: FILE or list`` with ``radius``, ``half_space: normal``), and its place:
-    ``xyz`` with ``rpy`` or ``quat`` (x, y, z, w). Meshes and points are named relative to the file.
+    ``xyz`` with ``rpy`` or ``quat`` (x, y, z, w), which turn the normal of a half-space too. Meshes and points are
+    named relative to the file.
 
     Raises:
         InvalidScene: it is no such file.
@@ -98,8 +100,10 @@ def _given(each: Any, where: str, folder: Path) -> Given:
     (kind,) = kinds
     figure = each[kind]
     T = _pose(each, name)
-    if kind in ("sphere", "half_space"):
+    if kind == "sphere":
         return Given(kind, (name, T[:3, 3], figure))
+    if kind == "half_space":
+        return Given(kind, (name, T[:3, 3], T[:3, :3] @ as_vector(figure, 3, f"normal of {quoted(name)}")))
     if kind == "mesh":
         return Given(kind, (name, T, folder / str(figure), each.get("scale", 1.0)))
     if kind == "points":

@@ -6,8 +6,19 @@ without projections into a null space.
 
 from __future__ import annotations
 
+from srs_ik.control import baselines, one_axis, planners
 from srs_ik.control.controller import PortReading, TorqueController
 from srs_ik.control.impedance import FractalImpedance, JointLimits, JointSpeeds
 from srs_ik.control.profile import ForceProfile
 
-__all__ = ["ForceProfile", "FractalImpedance", "JointLimits", "JointSpeeds", "PortReading", "TorqueController"]
+__all__ = [
+    "ForceProfile",
+    "FractalImpedance",
+    "JointLimits",
+    "JointSpeeds",
+    "PortReading",
+    "TorqueController",
+    "baselines",
+    "one_axis",
+    "planners",
+]

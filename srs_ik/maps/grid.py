@@ -109,7 +109,9 @@ def box(arm: Arm, step: float, bounds: object = None) -> Grid:
         except (TypeError, ValueError, OverflowError):
             limits = np.empty(0)
         if limits.shape != (3, 2) or not np.isfinite(limits).all() or not (limits[:, 0] < limits[:, 1]).all():
-            raise InvalidMap("a box is given by a lower and an upper x, y and z, in metres")
+            raise InvalidMap(
+                "a box is (3, 2) metres: rows of x, y and z, each a lower and an upper figure, the lower one less"
+            )
     first, last = np.floor(limits[:, 0] / step + 1e-9), np.ceil(limits[:, 1] / step - 1e-9)
     shape = tuple(int(n) for n in last - first)
     return _of_size(Grid("box", step, tuple((first * step).tolist()), shape, _rows(np.eye(4))))

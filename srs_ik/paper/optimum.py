@@ -16,7 +16,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidTask
+from srs_ik.errors import InvalidConfiguration, InvalidTask, quoted
+from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_positive, as_rigid_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.solve.objectives import Objective
@@ -99,8 +100,9 @@ def printed_optimum(
 
     Raises:
         InvalidPose: the pose is no finite rigid transform.
-        InvalidTask: a wrong objective or parameter, an accuracy that is not positive, or an unknown constraint.
-        InvalidConfiguration: a given start is not 7 finite angles.
+        InvalidTask: a wrong objective or parameter, an accuracy that is not positive, an unknown constraint, no start,
+            or a seed that is no whole number, or negative.
+        InvalidConfiguration: a given start is not 7 finite angles, or respect_limits no truth value.
 
     Source: C. Tiseo, S. R. Charitos, M. Mistry, Geometrical Postural Optimisation of 7-DoF Limb-Like Manipulators,
     equations NumOptimisation, NumOptimisationB, TwistOptimisation and WrenchOptimisation.
@@ -108,10 +110,11 @@ def printed_optimum(
     check_arm(arm)
     if not isinstance(objective, Objective):
         objective = Objective(objective, **parameters)
-    if constraint not in ("pose", "position"):
-        raise InvalidTask(f"constraint must be 'pose' or 'position', not {constraint!r}")
+    if not (isinstance(constraint, str) and constraint in ("pose", "position")):
+        raise InvalidTask(f"constraint must be 'pose' or 'position', not {quoted(constraint)}")
     accuracy = as_positive(accuracy, "accuracy", "metres and radians", InvalidTask)
-    problem = _Problem(arm, pin.SE3(as_rigid_matrix(pose)), objective, accuracy, constraint == "pose", respect_limits)
+    respect = as_flag(respect_limits, "respect_limits")
+    problem = _Problem(arm, pin.SE3(as_rigid_matrix(pose)), objective, accuracy, constraint == "pose", respect)
     return problem.best(problem.starts(starts, seed))
 
 
@@ -130,13 +133,23 @@ class _Problem:
         self.sign = -1.0 if objective.maximise else 1.0
 
     def starts(self, starts: int | ArrayLike, seed: int) -> list[Array]:
-        if isinstance(starts, (int, np.integer)):
+        if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+            raise InvalidTask(f"seed must be a whole number from 0, not {quoted(seed)}")
+        if isinstance(starts, int | np.integer) and not isinstance(starts, bool):
             if starts < 1:
                 raise InvalidTask(f"at least one start is needed, not {starts}")
             limited = np.isfinite(self.arm.lower) & np.isfinite(self.arm.upper)
             lower, upper = np.where(limited, self.arm.lower, -np.pi), np.where(limited, self.arm.upper, np.pi)
             return list(np.random.default_rng(seed).uniform(lower, upper, (int(starts), 7)))
-        return [as_joint_vector(q, "a start") for q in np.atleast_2d(starts)]
+        try:
+            given = np.atleast_2d(real_array(starts))
+        except (TypeError, ValueError):
+            raise InvalidConfiguration(
+                f"starts are a number of them or (n, 7) joint angles, not {quoted(starts)}"
+            ) from None
+        if not given.size:
+            raise InvalidTask("at least one start is needed, not an array without any")
+        return [as_joint_vector(q, "a start") for q in given]
 
     def error(self, q: Array) -> Array:
         """(3,) or (6,): position error in base axes, rotation vector from the wanted orientation in tip axes."""

@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from srs_ik.errors import InvalidConfiguration, InvalidPose, quoted
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import EMPTY, FORCE, VELOCITY, new_figure
 from srs_ik.plots.intervals import BRANCHES
+from srs_ik.solve.path.solution import PathSolution
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
-    from srs_ik.solve.path.solution import PathSolution
 
 MOST_COLUMNS = 400
 """Poses that are drawn of a longer path."""
@@ -34,11 +35,16 @@ def plot_path(arm: Arm, poses: Any, path: PathSolution) -> Figure:
         A `matplotlib.figure.Figure`; write it with its method `savefig`.
 
     Raises:
-        InvalidPose: a pose is no finite rigid transform.
+        InvalidPose: a pose is no finite rigid transform, or there are more or fewer than the path has.
+        InvalidConfiguration: the path is none.
         MissingExtra: Matplotlib is not installed.
     """
     check_arm(arm)
     T = as_matrices(poses)
+    if not isinstance(path, PathSolution):
+        raise InvalidConfiguration(f"a path is what Arm.solve_path gives, not {quoted(path)}")
+    if len(T) != len(path):
+        raise InvalidPose(f"a path is drawn over its own poses: it has {len(path)}, and {len(T)} are given")
     figure = new_figure(9.0, 7.0)
     grid = figure.subplots(BRANCHES // 2, 2, sharex=True, sharey=True)
     drawn = np.unique(np.linspace(0, len(T) - 1, min(len(T), MOST_COLUMNS)).astype(int))

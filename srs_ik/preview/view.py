@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
+import trimesh
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import PreviewError
+from srs_ik.errors import InvalidScene, PreviewError, quoted
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.preview import marks, palette, solids, words
@@ -28,8 +29,6 @@ from srs_ik.solve.in_scene.surroundings import Surroundings
 from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
-    import trimesh
-
     from srs_ik.arm import Arm
     from srs_ik.collision.scene import Scene
     from srs_ik.inputs.task import Task
@@ -328,8 +327,11 @@ class Preview:
             meshes: triangles in the base frame, m; none to show nothing.
 
         Raises:
+            InvalidScene: it is no list of meshes.
             PreviewError: the preview is closed.
         """
+        if not isinstance(meshes, Sequence) or not all(isinstance(mesh, trimesh.Trimesh) for mesh in meshes):
+            raise InvalidScene(f"obstacles are a list of trimesh.Trimesh, not {quoted(meshes)}")
         self._canvas.draw("obstacles", [solids.Solid(mesh, palette.OBSTACLE, 0.75) for mesh in meshes])
         self._settle()
 

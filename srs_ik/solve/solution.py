@@ -304,15 +304,10 @@ class BatchSolution(_Rows):
         self.collisions = dict(collisions or {})
         """What hits what, by the index of the pose (and of the branch), where the status is `Status.COLLISION`."""
 
-    def message(self, *index: int) -> str:
-        """The sentence for one answer: of its index, or of pose and branch.
-
-        Raises:
-            IndexError: another number of indices than `status` has axes, or one out of range.
-        """
-        if len(index) != self._rows.ndim - 1:
-            raise IndexError(f"message takes {self._rows.ndim - 1} indices here, not {len(index)}")
-        return self[index].message
+    @property
+    def message(self) -> Messages:
+        """The sentences for a person: ``message[i]``, ``message[:3]``, or ``message(i)``."""
+        return Messages(self)
 
     def __getitem__(self, index: int | tuple[int, ...]) -> Any:
         row = self._rows[index]
@@ -337,6 +332,44 @@ class BatchSolution(_Rows):
 
     def __repr__(self) -> str:
         return f"BatchSolution({self.solved} of {self.ok.size} solved)"
+
+
+class Messages:
+    """The sentences of many answers, in arrays of text over N or (N, 8); each is written when it is read.
+
+    Called with an index, of a pose or of pose and branch, it gives one of them.
+    """
+
+    def __init__(self, answers: BatchSolution) -> None:
+        self._answers = answers
+
+    def __call__(self, *index: int) -> str:
+        """The sentence for one answer.
+
+        Raises:
+            IndexError: another number of indices than `status` has axes, or one out of range.
+        """
+        axes = self._answers._rows.ndim - 1
+        if len(index) != axes:
+            raise IndexError(f"message takes {axes} indices here, not {len(index)}")
+        found: str = self._answers[index].message
+        return found
+
+    def __getitem__(self, index: Any) -> Any:
+        found = self._answers[index].message
+        return found if isinstance(found, str) else np.asarray(found)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        found = np.empty(self._answers._rows.shape[:-1], object)
+        for place in np.ndindex(found.shape):
+            found[place] = self(*place)
+        return found if dtype is None else found.astype(dtype)
+
+    def __len__(self) -> int:
+        return len(self._answers)
+
+    def __iter__(self) -> Iterator[Any]:
+        return (self[k] for k in range(len(self)))
 
 
 class Interval(NamedTuple):
