@@ -205,3 +205,15 @@ def test_a_jump_behind_a_gap_is_no_break_beside_that_of_the_gap():
     assert [each.sample for each in path.breaks] == [1, 4]
     assert path.breaks[1].jump > 0.5
     assert path.largest_step > 0.5
+
+
+@pytest.mark.parametrize("asked", [{"free_axis": [0, 0, 1]}, {"scene": srs_ik.Scene()}, {"closed": True}])
+def test_a_gap_is_the_only_break_whatever_else_is_asked_for(asked):
+    arm, q = srs_ik.load("iiwa14"), np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    way = np.linspace([0, 0, 0], [0, 0.1, 0], 6)
+    poses = moved(arm, q, np.vstack([way, way[4::-1]]))
+    whole = arm.solve_path(poses, seed=q, **asked)
+    poses[3, :3, 3] = 3.0, 0.0, 0.0
+    path = arm.solve_path(poses, seed=q, **asked)
+    assert [each.sample for each in path.breaks] == [3]
+    assert path.value < 1.01 * whole.value
