@@ -1,6 +1,7 @@
 """`srs-ik map` makes, describes, checks, draws and exports maps; wrong input is one line."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -154,6 +155,27 @@ def test_counts_are_whole_numbers(folder, tmp_path):
     lines = run("map", "query", folder, str(poses)).stdout.splitlines()
     assert lines[2].split()[:4] == ["2", "1", str(said[0]["branches"]), str(said[0]["pieces"])]
     assert lines[-1] == "1 lines are not shown"
+
+
+def test_a_map_that_has_lost_files_is_told_and_mended(folder, tmp_path):
+    path, poses = tmp_path / "map.zarr", tmp_path / "poses.csv"
+    shutil.copytree(folder, path)
+    poses.write_text("x,y,z,roll,pitch,yaw\n0.5,0.1,0.6,0,1.5707963,0\n")
+    assert run("map", "query", str(path), str(poses)).exit_code == 0
+    shutil.rmtree(path / "reached" / "c")
+    for words in (("query", str(path), str(poses)), ("info", str(path))):
+        said = run("map", *words)
+        assert said.exit_code == 2
+        assert f"{path} is damaged: files are lost or changed" in said.stderr
+    said = run("map", "verify", str(path), "iiwa14")
+    assert said.exit_code == 1
+    assert "the same 'srs-ik map make' mends it" in said.stderr
+    with pytest.warns(UserWarning, match="tasks that were done are damaged, and made again"):
+        assert run("map", "make", "iiwa14", "--out", str(path), *GRID).exit_code == 0
+    assert run("map", "query", str(path), str(poses)).exit_code == 0
+    assert run("map", "verify", str(path), "iiwa14").exit_code == 0
+    shutil.rmtree(path / "done" / "c")
+    assert answer("map", "info", str(path))["reached"] == 0.0
 
 
 def test_what_is_left_to_make_is_said(tmp_path):

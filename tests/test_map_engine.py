@@ -4,11 +4,13 @@ import contextlib
 import hashlib
 import itertools
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -59,10 +61,9 @@ def undisturbed(tmp_path_factory):
     return path
 
 
-def test_killed_at_any_moment_and_resumed_the_store_is_the_same(undisturbed, tmp_path):
+def test_killed_at_any_moment_and_resumed_the_store_is_the_same(undisturbed, tmp_path, monkeypatch):
     path, rng, kills = tmp_path / "map.zarr", np.random.default_rng(36), int(os.environ.get("KILLS", "3"))
-    tasks = len(Store(undisturbed).plan.blocks)
-    assert tasks > 4
+    assert len(Store(undisturbed).plan.blocks) > 4
     for _ in range(kills):
         process = subprocess.Popen([sys.executable, "-c", MAKE, str(path)])
         limit = time.monotonic() + 120.0
@@ -73,10 +74,15 @@ def test_killed_at_any_moment_and_resumed_the_store_is_the_same(undisturbed, tmp
         process.wait()
     plan, records = Store(path).plan, Store(path).records()
     done = sum(block_cells(plan, block) for block, record in zip(plan.blocks, records, strict=True) if record)
-    said = []
+    said, made, run = [], [], tasks.run_task
+    monkeypatch.setattr(
+        build, "run_task", lambda job, path, task, stop: made.append(task) or run(job, path, task, stop)
+    )
     build_map(srs_ik.load("human_arm"), 0.04, path, orientations=576, progress=lambda *cells: said.append(cells))
     assert digests(path) == digests(undisturbed)
-    assert said[0][0] == done  # what was done is not done again
+    np.testing.assert_array_equal(sorted(made), np.flatnonzero(records == 0))  # what was done is not done again
+    assert done == 0 or (done, plan.cells) in said
+    assert said == sorted(said)
     assert said[-1][0] == said[-1][1]
     assert not list(tmp_path.glob(".*"))
 
@@ -172,9 +178,43 @@ def test_threads_give_the_same_checksums(undisturbed, tmp_path):
     assert digests(tmp_path / "map.zarr") == digests(undisturbed)
 
 
-def test_what_is_left_half_written_is_cleared(undisturbed, tmp_path):
-    import shutil
+@pytest.mark.parametrize("lost", ["reached", "width", "yaw"])
+def test_lost_and_changed_files_are_found_and_made_again(undisturbed, tmp_path, lost):
+    arm, path = srs_ik.load("human_arm"), tmp_path / "map.zarr"
+    shutil.copytree(undisturbed, path)
+    poses = [
+        arm.forward_kinematics(q).homogeneous for q in np.random.default_rng(3).uniform(arm.lower, arm.upper, (50, 7))
+    ]
+    whole = srs_ik.open_map(path).query(poses)
+    assert whole.reached.any()
+    shutil.rmtree(path / lost / "c")
+    for ask in (lambda: srs_ik.open_map(path).query(poses), lambda: srs_ik.open_map(path).mean(lost)):
+        with pytest.raises(InvalidMap, match="is damaged: files are lost or changed"):
+            ask()
+    with pytest.warns(UserWarning, match="tasks that were done are damaged, and made again"):
+        build_map(arm, 0.04, path, orientations=576)
+    assert digests(path) == digests(undisturbed)
+    # One file, changed and still readable: the same of another task.
+    files = sorted(
+        (each for each in (path / "width" / "c").rglob("*") if each.is_file()), key=lambda p: p.stat().st_size
+    )
+    shutil.copy(files[-1], files[-2])
+    with pytest.warns(UserWarning, match=r": 1 of \d+ tasks that were done are damaged"):
+        build_map(arm, 0.04, path, orientations=576, progress=lambda *cells: None)
+    assert digests(path) == digests(undisturbed)
+    np.testing.assert_array_equal(srs_ik.open_map(path).query(poses).reached, whole.reached)
 
+
+def test_a_whole_map_is_gone_on_with_without_a_word(undisturbed, tmp_path):
+    path = tmp_path / "map.zarr"
+    shutil.copytree(undisturbed, path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        build_map(srs_ik.load("human_arm"), 0.04, path, orientations=576)
+    assert digests(path) == digests(undisturbed)
+
+
+def test_what_is_left_half_written_is_cleared(undisturbed, tmp_path):
     path = tmp_path / "map.zarr"
     shutil.copytree(undisturbed, path)
     shutil.rmtree(path / "done" / "c")

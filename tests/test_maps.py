@@ -385,6 +385,46 @@ def test_what_is_left_of_a_half_made_map_is_not_inside(tmp_path):
     np.testing.assert_array_equal(half.query(poses).inside, whole.inside)
 
 
+@pytest.mark.parametrize("where", ["half-plane", "box"])
+def test_what_is_not_done_counts_as_not_reached_wherever_it_is_read(tmp_path, where):
+    """Written but not recorded, as a task is that is killed at its end; every other one here."""
+    arm, path = srs_ik.load("iiwa14"), tmp_path / "map.zarr"
+    rest = {} if where == "half-plane" else {"box": [[-0.8, 0.8], [-0.8, 0.8], [0.0, 1.2]]}
+    whole = build_map(arm, 0.1, path, orientations=72, **rest)
+    poses = [arm.forward_kinematics(q).homogeneous for q in arms.configurations("iiwa14", 300, 6)]
+    before = {name: whole.measure(name) for name in whole.store.names}
+    share, full, shown = whole.mean("reached"), whole.query(poses), len(cloud(whole)[0])
+    files = sorted((path / "done" / "c").iterdir(), key=lambda each: int(each.name))
+    assert len(files) > 1
+    made = np.zeros(whole.plan.grid.shape, bool)
+    for file, block in zip(files, whole.plan.blocks, strict=True):
+        made[block] = int(file.name) % 2 == 0
+        if int(file.name) % 2:
+            file.unlink()
+    half = open_map(path)
+    assert 0.0 < half.done < 1.0
+    for name, values in before.items():
+        kept = np.where(made.reshape(*made.shape, *(1,) * (values.ndim - made.ndim)), values, 0)
+        np.testing.assert_array_equal(half.measure(name), kept)
+    np.testing.assert_array_equal(half.mean("reached"), np.where(made, share, 0.0))
+    to_numpy(half, tmp_path / "half.npz")
+    with np.load(tmp_path / "half.npz") as arrays:
+        np.testing.assert_array_equal(arrays["reached"], half.measure("reached"))
+    points, _ = cloud(half)
+    assert 0 < len(points) < shown
+    assert (half.share(points) > 0.0).all()
+    # Between positions, those that are not made count as not reached, so that widths are smaller there.
+    there = half.query(poses)
+    assert (there.measures["width"] <= full.measures["width"] + 1e-12).all()
+    inside = there.reached
+    assert (there.measures["width"] < full.measures["width"] - 1e-6)[inside].any()
+    shutil.rmtree(path / "done" / "c")
+    none = open_map(path)
+    assert none.done == 0.0
+    assert not none.mean("reached").any()
+    assert not len(cloud(none)[0])
+
+
 @pytest.mark.parametrize("step", [0.0, -0.1, np.nan, "x", True, 1e-9, 2e-4, 900.0])
 def test_points_too_close_and_too_far_are_refused_before_they_are_made(made, step, tmp_path):
     chart = made[0]

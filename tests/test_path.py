@@ -154,3 +154,66 @@ def test_a_path_none_or_only_the_last_of_whose_poses_is_in_reach_is_answered(rob
         assert path.ok.sum() == reached
         assert np.isfinite(path.q).all()
         assert path.breaks
+
+
+@pytest.mark.parametrize("objective", ["sum_of_squares", "largest_step", "time"])
+@pytest.mark.parametrize("lost", [[0], [1], [3, 4, 5], [7, 8], [0, 4, 8]])
+def test_poses_that_are_not_reached_are_the_only_breaks_and_the_rest_costs_what_it_did(lost, objective):
+    arm, q = srs_ik.load("iiwa14"), np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    poses = moved(arm, q, np.linspace([0, 0, 0], [0, 0.16, 0], 9))
+    whole = arm.solve_path(poses, seed=q, objective=objective, dt=0.05)
+    poses[lost, :3, 3] = 3.0, 0.0, 0.0
+    path = arm.solve_path(poses, seed=q, objective=objective, dt=0.05)
+    assert [each.sample for each in path.breaks] == lost
+    np.testing.assert_array_equal(np.flatnonzero(~path.ok), lost)
+    # Over a gap steps count in even parts, as if its poses lay on a straight line; the search for the largest step,
+    # which is a local one, ends a few per cent above.
+    above = 1.1 if objective == "largest_step" else 1.01
+    assert path.lower_bound <= path.value < above * whole.value
+    assert path.largest_step < above * whole.largest_step
+    assert path.velocity_use.max() < 1.0
+    met = path.q[path.ok]
+    np.testing.assert_allclose(path.steps.sum(axis=0), met[-1] - met[0], atol=1e-12)
+
+
+def test_behind_a_pose_that_is_not_reached_the_path_is_where_it_was():
+    arm, q = srs_ik.load("gen3"), np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    poses = moved(arm, q, np.array([[0, 0, 0], [3, 0, 0], [0, 0, 0]]))
+    path = arm.solve_path(poses, seed=q)
+    np.testing.assert_allclose(path.q[[0, 2]], [q, q], atol=1e-7)
+    assert path.value < 1e-12
+    assert [each.sample for each in path.breaks] == [1]
+
+
+def test_a_path_is_timed_straight_over_poses_that_are_not_reached():
+    arm, q, limit = srs_ik.load("iiwa14"), np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]), np.full(7, 5.0)
+    poses = moved(arm, q, np.linspace([0, 0, 0], [0, 0.16, 0], 9))
+    whole = arm.solve_path(poses, seed=q, objective="time", acceleration_limit=limit)
+    poses[4, :3, 3] = 3.0, 0.0, 0.0
+    path = arm.solve_path(poses, seed=q, objective="time", acceleration_limit=limit)
+    assert path.value == path.times[-1] < 1.05 * whole.value
+    assert (np.diff(path.times) > 0.0).all()
+
+
+def test_a_jump_behind_a_gap_is_no_break_beside_that_of_the_gap():
+    """And one elsewhere is."""
+    arm = srs_ik.load("iiwa14")
+    far = BENT + np.array([1.5, 0, 0, 0, 0, 0, 0])
+    poses = np.array([arm.forward_kinematics(q).homogeneous for q in (BENT, BENT, far, far, BENT, BENT)])
+    poses[1, :3, 3] = 3.0, 0.0, 0.0
+    path = arm.solve_path(poses, seed=BENT)
+    assert [each.sample for each in path.breaks] == [1, 4]
+    assert path.breaks[1].jump > 0.5
+    assert path.largest_step > 0.5
+
+
+@pytest.mark.parametrize("asked", [{"free_axis": [0, 0, 1]}, {"scene": srs_ik.Scene()}, {"closed": True}])
+def test_a_gap_is_the_only_break_whatever_else_is_asked_for(asked):
+    arm, q = srs_ik.load("iiwa14"), np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    way = np.linspace([0, 0, 0], [0, 0.1, 0], 6)
+    poses = moved(arm, q, np.vstack([way, way[4::-1]]))
+    whole = arm.solve_path(poses, seed=q, **asked)
+    poses[3, :3, 3] = 3.0, 0.0, 0.0
+    path = arm.solve_path(poses, seed=q, **asked)
+    assert [each.sample for each in path.breaks] == [3]
+    assert path.value < 1.01 * whole.value

@@ -107,7 +107,10 @@ def make(
     limb: Limb = None,
     allow_xacro: AllowXacro = False,
 ) -> None:
-    """Make a map, or go on with one. It may be killed at any moment: what is done stays done."""
+    """Make a map, or go on with one. It may be killed at any moment: what is done stays done.
+
+    What is done is checked first, and made again where it is damaged.
+    """
     metres, where = _grid(step, box, bounds)
 
     from srs_ik.loading import load

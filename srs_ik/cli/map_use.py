@@ -159,7 +159,8 @@ def verify(
             f"{found.different} different; {found.rebuilt} postures rebuilt, off by {found.worst:.2g} m or rad at most"
         )
     if not found:
-        fail(f"{folder} is not what it was made to be: remove it and make it again")
+        more = "the same 'srs-ik map make' mends it" if found.damaged else "remove it and make it again"
+        fail(f"{folder} is not what it was made to be: {more}")
 
 
 @map_app.command("compare", cls=ExampleCommand, short_help="Compare two maps on the same cells.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -115,7 +116,8 @@ def build_map(
 ) -> Map:
     """Make a map of what an arm reaches and how well, or go on with one that was left half made.
 
-    Every cell is a pose that is answered exactly. Killed at any moment, what is done stays done.
+    Every cell is a pose that is answered exactly. Killed at any moment, what is done stays done. It is checked before
+    anything is made, some 5 ms a task; tasks whose files are damaged are made again, and a warning says so.
 
     Args:
         arm: the arm.
@@ -131,7 +133,7 @@ def build_map(
             smallest force-velocity ratio C, and "ratio_arm_angle" and "ratio_branch" of that posture; boxes only.
         force: (3,) direction in which the task pushes, base frame.
         threads: at most so many; all processors if not given.
-        progress: called with the cells that are done and all cells, after each task.
+        progress: called with the cells that are done and all cells, after each task that is found whole or made.
 
     Raises:
         InvalidMap: the arguments fit no map, the folder holds another one, or a cluster has no worker after 30 s.
@@ -154,19 +156,38 @@ def build_map(
     clear_leftovers(folder)
     if not folder.exists():
         create(folder, plan)
-    job, store = job_of(arm, plan, scene), Store(folder)
-    left = np.flatnonzero(store.records() == 0).tolist()
-    sizes = [_size(block) * len(plan.orientations) for block in plan.blocks]
-    done = plan.cells - sum(sizes[task] for task in left)
-    _warm(job)
-    run = _by_threads(job, folder, left, threads) if client is None else _by_dask(client, job, folder, left)
-    if progress is not None:
-        progress(done, plan.cells)
-    for task in run:
+    sizes, done = [_size(block) * len(plan.orientations) for block in plan.blocks], 0
+
+    def tell(task: int) -> None:
+        nonlocal done
         done += sizes[task]
         if progress is not None:
             progress(done, plan.cells)
+
+    job, left = job_of(arm, plan, scene), _left(Store(folder, writable=True), tell)
+    _warm(job)
+    for task in _by_threads(job, folder, left, threads) if client is None else _by_dask(client, job, folder, left):
+        tell(task)
     return open_map(folder, arm, scene)
+
+
+def _left(store: Store, tell: Callable[[int], None]) -> list[int]:
+    """The tasks that are not done, or whose files are damaged; `tell` is told of each of the others."""
+    for name in store.names:
+        store.array(name)
+    records = store.records()
+    done = np.flatnonzero(records).tolist()
+    damaged = []
+    for task in done:
+        if store.is_whole(task, int(records[task])):
+            tell(task)
+        else:
+            damaged.append(task)
+            store.forget(task)
+    if damaged:
+        said = f"{store.path}: {len(damaged)} of {len(done)} tasks that were done are damaged, and made again"
+        warnings.warn(said, UserWarning, stacklevel=3)
+    return np.flatnonzero(store.records() == 0).tolist()
 
 
 def estimate(

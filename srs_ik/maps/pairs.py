@@ -42,15 +42,16 @@ def compare(first: Map, second: Map) -> Compared:
     """Compare two maps on the same cells: of two arms, two tools, or with other limits.
 
     Raises:
-        InvalidMap: their cells differ.
+        InvalidMap: their cells differ, or one has lost files.
     """
     _check_alike(first, second)
     plan = first.plan
     counts, width, gained = np.zeros(3), 0.0, np.zeros(plan.grid.shape)
-    for block in plan.blocks:
-        a, b = (m.store.array("reached")[block] > 0 for m in (first, second))
+    records = [m.store.records().tolist() for m in (first, second)]
+    for task, block in enumerate(plan.blocks):
+        a, b = (m.part("reached", task, r[task]) > 0 for m, r in zip((first, second), records, strict=True))
         counts += [(a & b).sum(), (a & ~b).sum(), (b & ~a).sum()]
-        w, v = (m.store.array("width")[block] for m in (first, second))
+        w, v = (m.part("width", task, r[task]) for m, r in zip((first, second), records, strict=True))
         width += float((v - w)[a & b].sum(dtype=float))
         gained[block] = b.mean(axis=-1) - a.mean(axis=-1)
     both, one, other = (counts / plan.cells).tolist()
@@ -64,7 +65,7 @@ def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
     the branches and pieces of the arm that reaches it with the larger width. Measures for a scene or a task stay out.
 
     Raises:
-        InvalidMap: their cells differ, or they are half-planes.
+        InvalidMap: their cells differ, they are half-planes, or one is damaged.
         FileExistsError: there is something at that path.
     """
     from srs_ik.maps.reader import Map
@@ -80,7 +81,10 @@ def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
     plan = Plan(_both(first.plan, second.plan), first.plan.grid, first.plan.orientations, names, 0)
     create(folder, plan)
     store = Store(folder, writable=True)
+    records = [m.store.records().tolist() for m in (first, second)]
     for task, block in enumerate(plan.blocks):
+        for m, r in zip((first, second), records, strict=True):
+            m.store.refuse_damaged(task, r[task])
         a, b = (m.store.read(block) for m in (first, second))
         better = b["width"] > a["width"]
         store.write(task, block, {name: np.where(better, b[name], a[name]) for name in names})

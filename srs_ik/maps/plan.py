@@ -85,9 +85,19 @@ class Plan:
 
     def tasks_of(self, at: NDArray[np.int64]) -> NDArray[np.int64]:
         """(N,) the task of each position, by its (N, d) places along each direction."""
-        shape, side = np.array(self.grid.shape), self.grid.side(len(self.orientations))
-        parts = tuple((-(-shape // side)).tolist())
+        side, parts = self._parts()
         return np.ravel_multi_index(tuple((at // side).T), parts)
+
+    def block(self, task: int) -> tuple[slice, ...]:
+        """The positions of one task."""
+        side, parts = self._parts()
+        begins = [side * int(k) for k in np.unravel_index(task, parts)]
+        return tuple(slice(i, min(i + side, n)) for i, n in zip(begins, self.grid.shape, strict=True))
+
+    def _parts(self) -> tuple[int, tuple[int, ...]]:
+        """Positions of a task along each direction, and how many tasks there are."""
+        side = self.grid.side(len(self.orientations))
+        return side, tuple(-(-n // side) for n in self.grid.shape)
 
     @property
     def bytes_a_cell(self) -> int:

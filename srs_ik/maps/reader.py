@@ -17,7 +17,7 @@ from srs_ik.kinematics import check_arm
 from srs_ik.maps.extras import scene_digest
 from srs_ik.maps.placement import refuse_no_poses
 from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, fingerprint, whole
-from srs_ik.maps.store import DONE, Store, checksum, folder_of
+from srs_ik.maps.store import DONE, Store, folder_of
 from srs_ik.maps.tasks import compute, job_of
 
 if TYPE_CHECKING:
@@ -124,13 +124,15 @@ class Map:
         return float((self.store.records() > 0).mean())
 
     def measure(self, name: str) -> NDArray:
-        """All cells of a measure as an array: positions, then orientations.
+        """All cells of a measure as an array: positions, then orientations; 0 where they are not made yet.
 
         Raises:
-            InvalidMap: the map has none of that name.
+            InvalidMap: the map has none of that name, or has lost files.
         """
         self._check(name)
-        values: NDArray = self.store.array(name)[...]
+        values = self.store.array(name).zeros()
+        for task, record in enumerate(self.store.records().tolist()):
+            values[self.plan.block(task)] = self.part(name, task, record)
         return values
 
     def _check(self, name: str) -> None:
@@ -153,15 +155,31 @@ class Map:
         shape = np.array(self.plan.grid.shape)
         inside: NDArray[np.bool_] = np.asarray(np.logical_and(at >= 0, at < shape).all(axis=1))
         at = np.clip(at, 0, shape - 1)
-        inside &= self._is_made(self.plan.tasks_of(at))
+        inside[inside] = self._is_made(self.plan.tasks_of(at[inside]))
         return np.column_stack([at, self.plan.orientations.index(rotation)]), yaw, inside
 
     def _is_made(self, tasks: Indices) -> NDArray[np.bool_]:
-        """Whether tasks are done; each is looked up until it is."""
+        """Whether tasks are done; each is looked up until it is, and its files are checked then."""
         open_ones = np.unique(tasks[~self._made[tasks]])
         if len(open_ones):
-            self._made[open_ones] = self.store.array(DONE).vindex[open_ones] > 0
+            records = self.store.array(DONE).vindex[open_ones]
+            for task, record in zip(open_ones[records > 0], records[records > 0], strict=True):
+                self.store.refuse_damaged(int(task), int(record))
+            self._made[open_ones] = records > 0
         return self._made[tasks]
+
+    def part(self, name: str, task: int, record: int) -> NDArray:
+        """What a task, with its record, has found of a measure: zeros until it is done.
+
+        Raises:
+            InvalidMap: zeros are all that is left of lost files.
+        """
+        values = self.store.array(name)[self.plan.block(task)]
+        if not record:
+            return np.zeros_like(values)
+        if not values.any():
+            self.store.refuse_damaged(task, record)
+        return values
 
     def _in_map(self, T: Array) -> tuple[Array, Array, Array]:
         """Places (N, d) in cells, rotations (N, 3, 3) with the yaw taken off, and the yaw (N,)."""
@@ -191,7 +209,8 @@ class Map:
 
         Raises:
             InvalidPose: a pose is no finite rigid transform.
-            InvalidMap: exact answers are asked for, and the map was opened without its arm.
+            InvalidMap: files of the part that is asked are damaged, or exact answers are asked for, and the map was
+                opened without its arm.
         """
         at, yaw, inside = self.cells_of(poses)
         if as_flag(exact, "exact", InvalidMap):
@@ -224,11 +243,14 @@ class Map:
         total, weights = np.zeros(len(T)), np.zeros(len(T))
         for corner in np.ndindex(*(2,) * len(shape)):
             weight = np.where(corner, share, 1.0 - share).prod(axis=1)
-            cells = (*np.minimum(low + corner, shape - 1).T, at[:, -1])
+            place = np.minimum(low + corner, shape - 1)
+            cells = (*place.T, at[:, -1])
+            # Cells that are not made yet count as not reached.
+            made = self._is_made(self.plan.tasks_of(place))
             if name == RATIO:
                 # Smaller ratios are better ones: the 0 of a cell that is not reached is none.
-                weight = weight * (self.store.array("reached").vindex[cells] > 0)
-            total += weight * self.store.array(name).vindex[cells]
+                weight = weight * (made & (self.store.array("reached").vindex[cells] > 0))
+            total += weight * made * self.store.array(name).vindex[cells]
             weights += weight
         return np.divide(total, weights, out=total, where=weights > 0.0)
 
@@ -283,13 +305,16 @@ class Map:
     def mean(self, name: str) -> Array:
         """A measure at every position: its mean over all orientations. For "yaw": the mean share of a turn.
 
-        Smaller ratios are better ones, so "ratio" has its mean over what is reached alone; 0 where nothing is.
+        Smaller ratios are better ones, so "ratio" has its mean over what is reached alone; 0 where nothing is, and
+        where the map is not made yet.
+
+        Raises:
+            InvalidMap: the map has none of that name, or has lost files.
         """
         self._check(name)
-        array = self.store.array(name)
         found = np.zeros(self.plan.grid.shape)
-        for block in self.plan.blocks:
-            values = array[block]
+        for task, record in enumerate(self.store.records().tolist()):
+            block, values = self.plan.block(task), self.part(name, task, record)
             if name == YAW:
                 values = values[..., 1].sum(axis=-1) / TURN
             found[block] = values.mean(axis=len(block))
@@ -316,12 +341,12 @@ class Map:
         count, seed = (whole(given, what) for given, what in ((count, "count"), (seed, "seed")))
         records = self.store.records()
         done = np.flatnonzero(records)
-        damaged = tuple(int(task) for task in done if not self._is_whole(int(task), int(records[task])))
+        damaged = tuple(int(task) for task in done if not self.store.is_whole(int(task), int(records[task])))
         rng, job = np.random.default_rng(seed), job_of(arm, self.plan, self.scene)
         cells = different = rebuilt = 0
         worst = 0.0
         while len(done) and cells < count:
-            block = self.plan.blocks[int(rng.choice(done))]
+            block = self.plan.block(int(rng.choice(done)))
             one = tuple(slice(i, i + 1) for i in (int(rng.integers(part.start, part.stop)) for part in block))
             there, again = self.store.read(one), compute(job, one)
             n = min(len(self.plan.orientations), CELLS_A_POSITION, count - cells)
@@ -335,13 +360,6 @@ class Map:
             worst = max(worst, rebuild(arm, self.plan, one, met, there))
             rebuilt += len(met)
         return Verified(len(done), damaged, cells, different, rebuilt, worst)
-
-    def _is_whole(self, task: int, record: int) -> bool:
-        try:
-            return checksum(self.store.read(self.plan.blocks[task]), self.store.names) == record
-        except Exception:
-            # A damaged file fails in the decoder in ways of its own.
-            return False
 
     def __repr__(self) -> str:
         plan = self.plan

@@ -1,8 +1,8 @@
 """The store of a map: a Zarr v3 group whose chunks are those of the tasks, and a record for each that is done.
 
 A record is the CRC-32 of what a task has written, plus 2^32, so that it differs from the fill value; it is written
-last. Chunks that hold nothing but zeros are no files, so their absence says nothing. Every file is written whole and
-then renamed.
+last. Chunks that hold nothing but zeros are no files, so only the record tells those from lost ones. Every file is
+written whole and then renamed.
 """
 
 from __future__ import annotations
@@ -56,6 +56,10 @@ class Cells:
 
     def __setitem__(self, at: Any, values: Any) -> None:
         self._array[at] = values
+
+    def zeros(self) -> NDArray:
+        """An array like this one, of zeros."""
+        return np.zeros(self._array.shape, self._array.dtype)
 
     @property
     def vindex(self) -> Cells:
@@ -113,6 +117,23 @@ class Store:
         record = checksum(values, self.names)
         self.array(DONE)[task] = record
         return record
+
+    def forget(self, task: int) -> None:
+        """Take back the record of a task: it is to be done again."""
+        self.array(DONE)[task] = 0
+
+    def is_whole(self, task: int, record: int) -> bool:
+        """Whether the files of a task hold what was written, by its record."""
+        try:
+            return checksum(self.read(self.plan.block(task)), self.names) == record
+        except Exception:
+            # A damaged file fails in the decoder in ways of its own.
+            return False
+
+    def refuse_damaged(self, task: int, record: int) -> None:
+        """Raise InvalidMap where the files of a task do not hold what was written."""
+        if not self.is_whole(task, record):
+            raise InvalidMap(f"{self.path} is damaged: files are lost or changed; making the map again mends it")
 
     def read(self, block: Block) -> dict[str, NDArray]:
         """What a task has written."""

@@ -60,7 +60,7 @@ def run_task(job: Job, path: str, task: int, stop: Event | None = None) -> tuple
     Raises:
         CancelledError: it was told to stop before it was done; nothing is written then.
     """
-    block = job.plan.blocks[task]
+    block = job.plan.block(task)
     return task, _opened(path).write(task, block, compute(job, block, stop))
 
 

@@ -18,7 +18,7 @@ from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.in_scene.edges import Edges
 from srs_ik.solve.path.breaks import PathBreak, breaks_of
 from srs_ik.solve.path.problem import Problem, Way, steps_of
-from srs_ik.solve.path.rows import rows_of
+from srs_ik.solve.path.rows import joint_steps, rows_of
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
@@ -61,7 +61,7 @@ def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution
             break
     assert best is not None
     _, way, rows, edges, asked = best[1]
-    steps = np.diff(rows[:, :7], axis=0)
+    steps = joint_steps(rows)
     breaks = sorted([*breaks_of(asked, way, rows, steps), *_blocked(edges, steps, arm.joint_names)], key=_sample)
     hits = around.hits_of(problem.T, rows)
     return PathSolution(rows, arm.joint_names, steps, breaks, arm.elbow, hits, problem)
@@ -108,7 +108,7 @@ def _lines(problem: Problem, rows: Array) -> NDArray[np.int64]:
 
 
 def _jumps(problem: Problem, rows: Array) -> int:
-    return int((np.abs(steps_of(problem, rows[:, :7])) > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
+    return int((np.abs(joint_steps(rows)) > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
 
 
 def _refuse_hits(problem: Problem) -> None:

@@ -31,7 +31,7 @@ from srs_ik.solve.path.limited import keeps_limits
 from srs_ik.solve.path.odd import searched_beside
 from srs_ik.solve.path.polish import FINE, improve, keep_limits
 from srs_ik.solve.path.problem import OBJECTIVES, TIME, Problem, Way, copy, worth
-from srs_ik.solve.path.rows import off_poses, on_straight_lines, rows_of
+from srs_ik.solve.path.rows import joint_steps, off_poses, on_straight_lines, rows_of
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.path.wide import in_fewest_turns
@@ -105,7 +105,7 @@ def solve_path(
         worth_it=n > SHORT,
     )
     rows[:, :7] = unwound(problem, rows)
-    steps = np.diff(rows[:, :7], axis=0)
+    steps = joint_steps(rows)
     return PathSolution(rows, arm.joint_names, steps, breaks_of(planned, way, rows, steps), arm.elbow, problem=planned)
 
 

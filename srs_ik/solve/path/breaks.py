@@ -56,12 +56,13 @@ def breaks_of(problem: Problem, way: Way | None, rows: Array, steps: Array) -> l
     hits = {} if problem.around is None else problem.around.hits_of(problem.T, rows)
     answers = BatchSolution(rows, arm.joint_names, arm.elbow, hits)
     jumps = np.append(False, (np.abs(steps) > JUST_ABOVE * longest).any(axis=1))
+    # The move over poses that are not reached is no break of its own.
     after_gap = np.append(False, ~answers.ok[:-1])
     inner = np.flatnonzero(jumps & answers.ok & ~after_gap).tolist()
     windows = [] if way is None else _windows(problem, way, len(inner))
     none = "No path was found that goes on" if way is None else "No posture inside the limits continues the path"
     breaks = []
-    for i in np.flatnonzero(jumps | ~answers.ok).tolist():
+    for i in sorted([*inner, *np.flatnonzero(~answers.ok).tolist()]):
         if not answers.ok[i]:
             bodies = (hits[(i,)].first, hits[(i,)].second) if (i,) in hits else None
             why = f"Pose {i} is not reached: {answers.message(i)}"

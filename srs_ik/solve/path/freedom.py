@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from srs_ik.inputs.freedom import FreeAxis
 from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.kernels.layout.limb import FAR, LIMITED
-from srs_ik.kernels.layout.path import BY_CONTINUITY, INVERSE_PERIOD, PERIOD
+from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.freedom import met_batch, solve, solve_batch
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.path.blocks import Block, through
@@ -26,6 +26,8 @@ from srs_ik.solve.path.breaks import breaks_of
 from srs_ik.solve.path.frontier import wandered
 from srs_ik.solve.path.problem import JUST_ABOVE, Problem, objective_of, steps_of
 from srs_ik.solve.path.relaxed import relaxed
+from srs_ik.solve.path.rows import joint_steps
+from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import tell
 
@@ -118,7 +120,7 @@ def best_of(
     One goes on from `first` (7,), a posture of the first pose, if given; `moved` (n, 7) are postures on all poses.
     """
     arm, T, start = problem.arm, problem.T, problem.seed
-    best = min(ways, key=lambda way: (int((~way.ok).sum()), len(way.breaks), _value(problem, way.q)))
+    best = min(ways, key=lambda way: (int((~way.ok).sum()), len(way.breaks), _value(problem, way.q[way.ok])))
     most = fastest(problem)
     begins = [] if first is None else [followed(arm, T, free, first)]
     if best:
@@ -164,10 +166,8 @@ def with_breaks(problem: Problem, free: FreeAxis, found: PathSolution, alone: Ar
     rows[missed] = alone[missed]
     again = np.flatnonzero(missed & (alone[:, ROW_STATUS] == Status.OK))
     rows[again] = solve_batch(arm, problem.T[again], free, rows[np.maximum(again - 1, 0), :7], True, 1)._rows
-    # A break goes the shorter way round.
-    turns = np.round(np.diff(rows[:, :7], axis=0) * problem.settings[INVERSE_PERIOD])
-    rows[1:, :7] -= problem.settings[PERIOD] * np.cumsum(turns, axis=0)
-    steps = np.diff(rows[:, :7], axis=0)
+    rows[:, :7] = unwound(problem, rows)
+    steps = joint_steps(rows)
     return type(found)(rows, arm.joint_names, steps, breaks_of(problem, None, rows, steps), arm.elbow)
 
 

@@ -115,11 +115,12 @@ def slowed(problem: Problem, way: Way, loose: Breaks) -> Way:
 
 def polish(problem: Problem, way: Way) -> None:
     """Move a path, in place, to the least largest step or the least time near it, unless that is worse."""
-    found, none = copy(way), np.zeros(max(int(way.reached.sum()) - 1, 0), np.bool_)
+    found, passed = copy(way), np.diff(np.flatnonzero(way.reached))
     if problem.objective == LARGEST_STEP:
-        polish_kind(problem, found, LARGEST, np.ones(7), none)
+        # Over poses that are not reached steps may be as many times as long.
+        polish_kind(problem, found, LARGEST, np.ones(7), passed > 1)
     elif problem.objective == TIME:
-        polish_kind(problem, found, SLOWEST, 1.0 / problem.arm.velocity_limit, none)
+        polish_kind(problem, found, SLOWEST, 1.0 / problem.arm.velocity_limit, np.zeros(len(passed), np.bool_))
     if worth(problem, found) < worth(problem, way):
         take(way, found)
 

@@ -220,12 +220,14 @@ def steps_of(problem: Problem, q: Array) -> Array:
 def worth(problem: Problem, way: Way) -> tuple[int, float]:
     """What is compared of paths: poses not reached and steps too long, and with as many what is to be least.
 
-    Steps above the velocity limits count for more than what is to be least does.
+    Steps above the velocity limits count for more than what is to be least does, and those over poses that are not
+    reached in even parts.
     """
-    q = way.q[way.reached]
-    steps = np.abs(steps_of(problem, np.vstack([problem.start, q])))
+    chain = np.flatnonzero(way.reached)
+    steps = np.abs(steps_of(problem, np.vstack([problem.start, way.q[chain]])))
+    passed = np.diff(chain, prepend=chain[: len(problem.start)] - 1)
     missing = int((~way.reached).sum()) + int((steps > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
-    value = objective_of(problem, steps)
+    value = objective_of(problem, np.repeat(steps / passed[:, None], passed, axis=0))
     if problem.limited:
         over = too_fast(problem, way)
         value += 1e5 * float(over[over > JUST_ABOVE].sum())

@@ -48,6 +48,20 @@ def rows_of(problem: Problem, way: Way) -> Array:
     return rows
 
 
+def joint_steps(rows: Array) -> Array:
+    """(n - 1, 7) the joint steps of a path of these rows, those over poses that are not reached in even parts.
+
+    Before the first pose that is reached, and behind the last one, there are none.
+    """
+    met = np.flatnonzero(rows[:, ROW_STATUS] == Status.OK)
+    steps = np.zeros((len(rows) - 1, 7))
+    if len(met):
+        passed = np.diff(met)
+        parts = np.diff(rows[met, :7], axis=0) / passed[:, None]
+        steps[met[0] : met[-1]] = np.repeat(parts, passed, axis=0)
+    return steps
+
+
 def nearest_of_all(problem: Problem, i: int, near: Array) -> tuple[Array, bool]:
     """The posture of a pose nearest to another one, of intervals narrow as a point too; is it a step away at most?"""
     found = [each.q for each in (problem.solve(i, near), *problem.solve_all(i)) if each]

@@ -24,12 +24,13 @@ class PathSolution(BatchSolution):
 
     Attributes:
         breaks: where the path had to break, and why; empty for a continuous path through all poses.
-        steps: (N - 1, 7) joint steps, rad; joints that turn without end go the shorter way round.
+        steps: (N - 1, 7) joint steps, rad; joints that turn without end go the shorter way round. Over poses that are
+            not reached the path goes straight on: even parts of the step from the last one that is reached to the next.
         times: (N,) when it passes its poses, s, from rest to rest within limits of velocity and acceleration; None
             where no acceleration limit was given.
         value: what the path was asked to make least, the step from the seed included: the sum of squared joint steps
             (rad^2), the largest joint step (rad), or the time at the velocity limits (s); with limits of acceleration,
-            the last of `times`. Breaks count as steps.
+            the last of `times`. Breaks count as steps, and postures of poses that are not reached do not count.
     """
 
     def __init__(
@@ -49,7 +50,7 @@ class PathSolution(BatchSolution):
         self._problem = problem
         self._bounded = bounded
         self.times = None
-        self.value = 0.0 if problem is None else value_of(problem, self.q, steps)
+        self.value = 0.0 if problem is None else value_of(problem, self.q[self.ok], steps)
         if problem is not None and problem.acceleration is not None:
             self.times = passing_times(steps, problem.arm.velocity_limit, problem.acceleration)
             self.value = float(self.times[-1])
@@ -114,7 +115,7 @@ class PathSolution(BatchSolution):
 
 
 def value_of(problem: Problem, q: Array, steps: Array) -> float:
-    """What a path was asked to make least, the step from the seed included."""
+    """What a path was asked to make least, the step from the seed to the first of its postures (k, 7) included."""
     if problem.seed is not None and len(q):
         steps = np.vstack([steps_of(problem, np.vstack([problem.seed, q[:1]])), steps])
     return objective_of(problem, steps)
