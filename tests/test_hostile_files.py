@@ -180,7 +180,7 @@ def test_damaged_cells_of_a_map_are_an_error_of_the_package(whole, how):
     content = file.read_bytes()
     file.write_bytes({"short": content[: len(content) // 2], "empty": b"", "other": b"\x5a" * 300}[how])
     try:
-        with pytest.raises(InvalidMap, match="is damaged: width cannot be read"):
+        with pytest.raises(InvalidMap, match="is damaged: files are lost or changed; making the map again"):
             ask(arm, path, poses)
     finally:
         file.write_bytes(content)

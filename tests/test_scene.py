@@ -466,6 +466,17 @@ def test_messages_are_read_as_moveit_reads_them(arm, pose):
     ):
         with pytest.raises(InvalidScene, match=said):
             read(**{"primitive_poses": there, **wrong})
+    held = Message(object=Message(id="cup"))
+    for more, words in (
+        ({"robot_state": Message(attached_collision_objects=[held])}, "holds cup: give them to Arm.with_object"),
+        ({"link_padding": [Message(link_name="hand", padding=0.02)]}, "link_padding of 'hand'"),
+        ({"link_scale": [Message(link_name="hand", scale=1.1)]}, "link_scale of 'hand'"),
+    ):
+        with pytest.raises(InvalidScene, match=words):
+            srs_ik.Scene().add_message(Message(world=Message(collision_objects=[]), **more))
+    plain = {"link_padding": [Message(link_name="hand", padding=0.0)], "link_scale": [Message(scale=1.0)]}
+    state = Message(attached_collision_objects=[])
+    srs_ik.Scene().add_message(Message(world=Message(collision_objects=[]), robot_state=state, **plain))
     seen = Message(collision_objects=[], octomap=Message(octomap=Message(data=[1, 2])))
     with pytest.raises(InvalidScene, match="octomap"):
         srs_ik.Scene().add_message(Message(world=seen))
@@ -537,3 +548,18 @@ def test_a_copied_scene_is_another_one():
     assert other.names == ("ball", "another")
     assert (ends(srs_ik.load("iiwa14").intervals(pose, scene=scene)) == before).all()
     assert ends(arm.intervals(pose, scene=other)).shape != before.shape
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("twice.json", '{"objects": [{"name": "a", "sphere": 1, "xyz": [0, 0, 0], "xyz": [5, 0, 0]}]}'),
+        ("twice.yaml", "objects:\n  - {name: a, sphere: 1, xyz: [0, 0, 0], xyz: [5, 0, 0]}\n"),
+    ],
+)
+def test_a_key_that_is_given_twice_is_refused(tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InvalidScene, match="'xyz' is given twice"):
+        srs_ik.Scene.from_file(tmp_path / name)
+    (tmp_path / name).write_text(text.replace("xyz", "rpy", 1))
+    assert srs_ik.Scene.from_file(tmp_path / name).names == ("a",)

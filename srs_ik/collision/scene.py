@@ -279,8 +279,8 @@ class Scene:
                 is no turn.
 
         Raises:
-            InvalidScene: it is none of these, it has an octomap, an object is not to be added or has planes, a name is
-                taken, or figures make no sense.
+            InvalidScene: it is none of these, it has an octomap, attached objects or padded links, an object is not to
+                be added or has planes, a name is taken, or figures make no sense.
         """
         from srs_ik.collision.scene_files import of_message
 

@@ -153,6 +153,7 @@ def of_message(message: Any) -> Iterator[Given]:
     """The objects that a message describes: see `Scene.add_message`."""
     world = getattr(message, "world", message)
     objects = getattr(world, "collision_objects", None)
+    _refuse_unread(message)
     if len(getattr(getattr(getattr(world, "octomap", None), "octomap", None), "data", ())):
         raise InvalidScene("the message has an octomap, which nothing reads; see Scene.add_points")
     if objects is not None:
@@ -178,6 +179,21 @@ def of_message(message: Any) -> Iterator[Given]:
         vertices = [(v.x, v.y, v.z) for v in mesh.vertices]
         faces = np.array([tuple(t.vertex_indices) for t in mesh.triangles], dtype=np.int64)
         yield Given("triangles", (f"{name}/{k}" if several else name, outer @ T, vertices, faces))
+
+
+def _refuse_unread(message: Any) -> None:
+    """Refuse a moveit_msgs/PlanningScene with what counts there and would not count here."""
+    attached = getattr(getattr(message, "robot_state", None), "attached_collision_objects", ())
+    if len(attached):
+        names = listed([str(getattr(getattr(each, "object", None), "id", "?")) for each in attached])
+        raise InvalidScene(f"the robot of the message holds {names}: give them to Arm.with_object, and its world here")
+    for what, plain in (("padding", 0.0), ("scale", 1.0)):
+        for link in getattr(message, f"link_{what}", ()):
+            if getattr(link, what, plain) != plain:
+                said = f"link_{what} of {quoted(getattr(link, 'link_name', '?'))}"
+                raise InvalidScene(
+                    f"the message has {said}, which nothing reads: give a Scene a margin, and its world here"
+                )
 
 
 def _shapes(message: Any, what: str, places: str, name: str) -> list[tuple[Any, Array]]:

@@ -62,18 +62,34 @@ def read_tree_of(path: Path) -> Any:
 
 def _tree(path: Path, text: bytes) -> Any:
     if path.suffix.lower() not in (".yml", ".yaml"):
-        return json.loads(text)
+        return json.loads(text, object_pairs_hook=_once)
     if len(text) > bounds.YAML_BYTES:
         raise InvalidScene(f"{label_of(path)} has more than the {bounds.YAML_BYTES >> 10} KiB that are read of YAML")
     try:
         import yaml
     except ImportError:
         raise MissingExtra("scene", "a YAML file") from None
+
+    class Loader(yaml.SafeLoader):  # type: ignore[misc]
+        def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+            _once([(key.value, None) for key, _ in node.value if isinstance(key, yaml.ScalarNode)])
+            return super().construct_mapping(node, deep)
+
     try:
-        return yaml.safe_load(text)
+        return yaml.load(text, Loader)
     except (yaml.YAMLError, AttributeError, TypeError, OverflowError) as error:
         # Its own constructors fail in ways of theirs.
         raise ValueError(str(error)) from None
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A mapping of keys that are given once; readers would keep the last of several, and say nothing."""
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise ValueError(f"{quoted(key)} is given twice in one mapping")
+        found[key] = value
+    return found
 
 
 def _refuse_multiplied(tree: Any, path: Path) -> None:
