@@ -85,8 +85,8 @@ def solve_factored(diagonal, next_to, shares, x, n):
 
 
 @kernel
-def assemble(chain, aim, steps, t, rate, system):
-    """Write the system of a step for the arm angles of a path with rates (n, 7).
+def assemble(chain, first, aim, steps, t, rate, system):
+    """Write the system of a step for the arm angles of a path with rates (n, 7), steps counting from a first one.
 
     Returned is the corner below its border.
     """
@@ -98,7 +98,7 @@ def assemble(chain, aim, steps, t, rate, system):
         system.move[c] = 0.0
         system.border[c] = 0.0
     corner = 0.0
-    for c in range(n):
+    for c in range(first, n):
         bound = bound_of(aim, steps, c, c + 1) if aim.kind == SLOWEST else t
         by_bound = write_terms(aim, chain, steps, c, bound, terms)
         if aim.kind == LARGEST:
@@ -301,12 +301,15 @@ def hold_beyond(P, course, line, move, rate):
 
 @kernel
 def direct(P, course, line, aim, problem, damping):
-    """Write how far all arm angles move in a step into `system.spare`; `problem` are steps, bound, rates and system."""
-    steps, t, rate, system = problem
+    """Write how far all arm angles move in a step into `system.spare`.
+
+    `problem` are the steps, the first of them that counts, the bound, rates and system.
+    """
+    steps, first, t, rate, system = problem
     chain = course.chain
     n = chain.shape[0]
     for _ in range(HOLDS):
-        corner = assemble(chain, aim, steps, t, rate, system)
+        corner = assemble(chain, first, aim, steps, t, rate, system)
         solve_system(system, corner, damping, n)
         if not hold_beyond(P, course, line, system.move, rate):
             break
@@ -338,9 +341,9 @@ def smooth(family, course, line, start, aim, settings, space):
             break
         write_steps(chain, start, settings, line.q, steps)
         write_rates(P, course, line, rate, space)
-        assemble(chain, aim, steps, t, rate, system)
+        assemble(chain, first, aim, steps, t, rate, system)
         hold(P, course, line, system.move, rate)
-        direct(P, course, line, aim, (steps, t, rate, system), damping)
+        direct(P, course, line, aim, (steps, first, t, rate, system), damping)
         gain = 0.0
         for _ in range(HALVINGS):
             move_all(P, course, line, rate, system.spare, moved, space)
