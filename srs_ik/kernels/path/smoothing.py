@@ -98,7 +98,8 @@ def assemble(chain, first, aim, steps, t, rate, system):
         system.move[c] = 0.0
         system.border[c] = 0.0
     corner = 0.0
-    for c in range(first, n):
+    # By barriers of the largest step, a first posture that its bound holds a little ends at better ones more often.
+    for c in range(0 if aim.kind == LARGEST else first, n):
         bound = bound_of(aim, steps, c, c + 1) if aim.kind == SLOWEST else t
         by_bound = write_terms(aim, chain, steps, c, bound, terms)
         if aim.kind == LARGEST:
