@@ -50,6 +50,25 @@ def assert_on_poses(name, arm, poses, path):
         assert np.abs(forward(name)(q).homogeneous - pose).max() < 1e-8
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm"])
+def test_no_start_beside_that_of_a_path_is_better(name):
+    """Without a seed, the first posture is chosen, too: by the path, and not by where its search began."""
+    arm, rng = load(name), np.random.default_rng(0)
+    lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
+    paths = 0
+    for _ in range(20):
+        first, last = rng.uniform(lower, upper, (2, 7))
+        poses = poses_of(arm, first + 0.15 * (last - first) * np.linspace(0.0, 1.0, 12)[:, None])
+        path = arm.solve_path(poses)
+        angle = arm.arm_angle(path.q[0])
+        for aside in (-0.05, -0.01, 0.01, 0.05):
+            start = arm.solve(poses[0], arm_angle=angle + aside, seed=path.q[0])
+            if path and start:
+                paths += 1
+                assert path.value <= arm.solve_path(poses, known={0: start.q}).value * (1.0 + 1e-5)
+    assert paths > 40
+
+
 @pytest.mark.parametrize("name", ["iiwa14", "human_left", "sia10f", "openarm_left", "gen3"])
 @pytest.mark.parametrize("seeded", [True, False])
 def test_a_known_motion_is_never_better(name, seeded):
