@@ -245,7 +245,7 @@ def force_velocity_ratio(J: ArrayLike, force: ArrayLike, velocity: ArrayLike) ->
         velocity: (3,) or (N, 3) direction of the velocity, likewise.
 
     Returns:
-        A number, or (N,); inf where the tip cannot move along the velocity, as ellipsoids tell it.
+        A number, or (N,); huge, or inf, where the tip cannot move along the velocity.
 
     Raises:
         InvalidTask: J, force or velocity are malformed, or a direction is zero.
@@ -257,8 +257,8 @@ def force_velocity_ratio(J: ArrayLike, force: ArrayLike, velocity: ArrayLike) ->
     Jp /= np.maximum(np.abs(Jp).max(axis=(-2, -1), keepdims=True), SMALLEST)
     f, v = _directions(force, 3, "force", Jp.shape[:-2]), _directions(velocity, 3, "velocity", Jp.shape[:-2])
     effort, ease = (np.sum(np.einsum("...i,...ij->...j", u, Jp) ** 2, axis=-1) for u in (f, v))
-    stuck = ease <= RANK_TOLERANCE**2 * np.sum(Jp**2, axis=(-2, -1))
-    return _plain(np.where(stuck, np.inf, effort / np.where(stuck, 1.0, ease)))
+    with np.errstate(over="ignore"):
+        return _plain(effort / np.maximum(ease, SMALLEST))
 
 
 def rows_of(part: str) -> slice:

@@ -45,9 +45,9 @@ left out."""
 
 @kernel
 def searched(P, start, pose, freedom, rival, desk):
-    """`settle`, once more where its steps end before it rests; then at least onto its pose, or onto a roll in it."""
+    """`settle`, and once more where it ends close to its pose; from there at least onto that, or onto a roll in it."""
     there, cost, error, at_rest = settle(P, start, pose, freedom, rival, desk)
-    if error < ALMOST and not at_rest:
+    if SOLVED <= error < ALMOST:
         there, cost, error, at_rest = settle(P, there, pose, freedom, rival, desk)
     if SOLVED <= error < ALMOST:
         if freedom.cone <= THIN:
