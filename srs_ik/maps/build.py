@@ -173,6 +173,7 @@ def build_map(
 
 def _left(store: Store, tell: Callable[[int], None]) -> list[int]:
     """The tasks that are not done, or whose files are damaged; `tell` is told of each of the others."""
+    # A measure that cannot be opened at all is an error: making tasks again does not mend it.
     for name in store.names:
         store.array(name)
     records = store.records()
