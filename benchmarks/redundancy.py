@@ -2,8 +2,8 @@
 
 python benchmarks/redundancy.py [--scale 1.0] [--urdf openarm_left=FILE] [--parts intervals arcs seeds optima paths]
 
-Prints Markdown tables; docs/redundancy.md holds the outcome. Robots whose files are not here are left out; --urdf
-says where one is.
+Prints Markdown tables; docs/redundancy.md and docs/paths.md hold the outcome. Robots whose files are not here are left
+out; --urdf says where one is.
 """
 
 from __future__ import annotations
