@@ -1,5 +1,6 @@
-"""Writes the figures of docs/control.md and the verdicts on control in docs/what_holds.md: python docs/control.py DIR.
+"""Writes the tables of docs/control_measured.md and the verdicts on control in docs/what_holds.md.
 
+Run: python docs/control.py DIR
 DIR is where `srs-ik reproduce control --out DIR` has left its results.
 """
 
@@ -29,7 +30,7 @@ def main() -> None:
     rows = verdicts(found)
     lines = [f"| {row.claim} | **{row.verdict}** | {row.found} | `{row.command}` |" for row in rows]
     fill(DOCS / "what_holds.md", {"control": ["| claim | verdict | measured | by |", "|---|---|---|---|", *lines]})
-    fill(DOCS / "control.md", all_tables(found))
+    fill(DOCS / "control_measured.md", all_tables(found))
     for name in found:
         small_picture(folder / f"{name}.png", DOCS / "pictures" / f"{name}.png")
 

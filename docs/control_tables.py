@@ -1,4 +1,4 @@
-"""The tables of docs/control.md, each from the figures of its experiment."""
+"""The tables of docs/control_measured.md, each from the figures of its experiment."""
 
 from __future__ import annotations
 
