@@ -78,16 +78,17 @@ def rows(folders: Sequence[Path], count: int) -> Iterator[str]:
     yield f"| {' | '.join([*heads, 'worst error (m)', 'worst error (rad)', 'median time (us)'])} |"
     yield "|---|---|---|---|--:|--:|--:|--:|--:|--:|"
     for origin, name, path in files(folders):
+        shown = name.replace("/", "/<wbr>")
         try:
             reports = srs_ik.find_limbs(path)
         except srs_ik.InvalidRobot:
             reports = []
         if not reports:
-            yield f"| {name} | {origin} | | refused: {why_nothing(path)} | | | | | | |"
+            yield f"| {shown} | {origin} | | refused: {why_nothing(path)} | | | | | | |"
         for report in reports:
             # Where axes are parallel there is no centre to miss.
             miss = "" if np.isnan(report.misses_mm).all() else f"{report.misses_mm.max():.3f}"
-            start = f"| {name} | {origin} | `{report.base}` to `{report.tip}` |"
+            start = f"| {shown} | {origin} | `{report.base}` to `{report.tip}` |"
             if report.limb is None:
                 note = f"; {report.note}" if report.note else ""
                 yield f"{start} refused: {report.reason}{note} | | {miss} | | | | |"
