@@ -74,9 +74,9 @@ def files(folders: Sequence[Path]) -> Iterator[tuple[str, str, Path]]:
 
 def rows(folders: Sequence[Path], count: int) -> Iterator[str]:
     """The lines of the table."""
-    heads = ["file", "from", "base to tip", "recognised as", "elbow offset (mm)", "axes miss by (mm)", "solved"]
-    yield f"| {' | '.join([*heads, 'worst error (m)', 'worst error (rad)', 'median time (us)'])} |"
-    yield "|---|---|---|---|--:|--:|--:|--:|--:|--:|"
+    heads = ["file", "recognised as", "elbow offset (mm)", "axes miss by (mm)", "solved", "worst error (m)"]
+    yield f"| {' | '.join([*heads, 'worst error (rad)', 'median time (us)', 'base to tip', 'from'])} |"
+    yield "|---|---|--:|--:|--:|--:|--:|--:|---|---|"
     for origin, name, path in files(folders):
         shown = name.replace("/", "/<wbr>")
         try:
@@ -84,19 +84,19 @@ def rows(folders: Sequence[Path], count: int) -> Iterator[str]:
         except srs_ik.InvalidRobot:
             reports = []
         if not reports:
-            yield f"| {shown} | {origin} | | refused: {why_nothing(path)} | | | | | | |"
+            yield f"| {shown} | refused: {why_nothing(path)} | | | | | | | | {origin} |"
         for report in reports:
             # Where axes are parallel there is no centre to miss.
             miss = "" if np.isnan(report.misses_mm).all() else f"{report.misses_mm.max():.3f}"
-            start = f"| {shown} | {origin} | `{report.base}` to `{report.tip}` |"
+            end = f"`{report.base}` to `{report.tip}` | {origin} |"
             if report.limb is None:
                 note = f"; {report.note}" if report.note else ""
-                yield f"{start} refused: {report.reason}{note} | | {miss} | | | | |"
+                yield f"| {shown} | refused: {report.reason}{note} | | {miss} | | | | | {end}"
                 continue
             m = measure(path, srs_ik.load(path, base=report.base, tip=report.tip), count)
             kind = f"{report.kind}, {report.wrist_kind} wrist | {1e3 * report.elbow_offset:.3f} | {miss}"
             errors = f"{m.position_error:.1e} | {m.orientation_error:.1e}"
-            yield f"{start} {kind} | {m.solved} of {m.asked} | {errors} | {1e6 * m.median:.0f} |"
+            yield f"| {shown} | {kind} | {m.solved} of {m.asked} | {errors} | {1e6 * m.median:.0f} | {end}"
 
 
 def why_nothing(path: Path) -> str:
