@@ -1,4 +1,4 @@
-"""Poses turned by exactly half a circle from where the arm is: there sines of the turn vanish, as where it has arrived."""
+"""Poses half a circle from where the arm is, exactly: there sines of the turn vanish, as where it has arrived."""
 
 import arms
 import numpy as np
