@@ -61,6 +61,25 @@ def test_no_other_posture_betters_both_errors(name):
     assert tried == 4
 
 
+def test_a_valley_that_turning_joint_by_joint_never_enters_is_found():
+    arm = arms.load("human_arm")
+    pose = np.eye(4)
+    pose[:3] = [
+        [0.8803885620393113, -0.44794353349867827, -0.15576447164572604, -0.7039230750477395],
+        [-0.4062698278009182, -0.5429061869153295, -0.7349814278113903, 0.5829253904439461],
+        [0.24466468247167583, 0.7103516474294799, -0.6599543394396754, 0.24120869148776922],
+    ]
+    close = np.clip([0.281058, 2.617994, -3.141593, -2.177387, 1.396263, 1.22173, -0.123921], arm.lower, arm.upper)
+    q = arm.solve(pose).q
+    reach = arm.limb.upper_arm + arm.limb.forearm
+
+    def measure(q):
+        position, angle = errors(arm, pose, q)
+        return (position / reach) ** 2 + 2.0 - 2.0 * np.cos(angle)
+
+    assert measure(q) < measure(close) + 1e-6
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_seeds_choose_the_turn_and_batches_agree(name):
     for arm, pose, solution, rng in out_of_reach(name, 2):

@@ -5,7 +5,20 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.lane_trig import seven_turns
-from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, load3, load9, norm, rotate, rotation, sub, times
+from srs_ik.kernels.algebra.vectors import (
+    add,
+    apply,
+    cross,
+    dot,
+    load3,
+    load9,
+    norm,
+    rotate,
+    rotation,
+    scale,
+    sub,
+    times,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, POINTS, TIP_POSITION, TIP_ROTATION
 
@@ -53,6 +66,26 @@ def turn_between(x, y, z, R):
     wanted_z = (R[2], R[5], R[8])
     sine2 = add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z))
     return sine2, dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
+
+
+@kernel
+def half_turn(x, y, z, R):
+    """The axis, of length 1, of a turn by half a circle, or almost, from a frame to a rotation; its sine tells none.
+
+    Such a turn and the identity add up to twice the axis times its transpose: their longest column is along it.
+    """
+    wanted_x = (R[0], R[3], R[6])
+    wanted_y = (R[1], R[4], R[7])
+    wanted_z = (R[2], R[5], R[8])
+    best = (1.0, 0.0, 0.0)
+    longest = 0.0
+    for i in range(3):
+        unit = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
+        column = add(unit, add(scale(x[i], wanted_x), add(scale(y[i], wanted_y), scale(z[i], wanted_z))))
+        length = norm(column)
+        if length > longest:
+            longest, best = length, scale(1.0 / length, column)
+    return best
 
 
 @kernel

@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.linear import solve_definite, solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
-from srs_ik.kernels.chain.kinematics import joint_lines, pose_error, turn_about_line, turn_between
+from srs_ik.kernels.chain.kinematics import half_turn, joint_lines, pose_error, turn_about_line, turn_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, FAR, IS_CLOSED, LOWER, SHOULDER_CENTRE, UPPER
 from srs_ik.kernels.limb.poses import read7
@@ -60,9 +60,13 @@ def twist_to(x, y, z, position, R, p):
     """Twist (linear, of the tip point, then angular; base axes) that leads from a frame to a pose."""
     sine2, cosine2 = turn_between(x, y, z, R)
     twice_sine = norm(sine2)
-    angle = math.atan2(twice_sine, cosine2)
-    turn = scale(angle / twice_sine if twice_sine > 1e-9 else 0.5, sine2)
-    return sub(p, position), turn
+    to_position = sub(p, position)
+    if twice_sine > 1e-9:
+        return to_position, scale(math.atan2(twice_sine, cosine2) / twice_sine, sine2)
+    if cosine2 > 0.0:
+        return to_position, scale(0.5, sine2)
+    axis = half_turn(x, y, z, R)
+    return to_position, scale(math.copysign(math.pi, dot(axis, sine2)), axis)
 
 
 @kernel
