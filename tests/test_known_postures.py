@@ -946,6 +946,16 @@ TOLD = [
         "1.1344640137963142 0.8933070470649085",
     ),
     (
+        "j2s7s300",
+        "-3.014369942765355 3.1415936535897933 -3.136106258204609 3.1415936535897933 -1.3554346859964341 "
+        "3.1415936535897933 -2.340908951565238",
+    ),
+    (
+        "j2s7s300",
+        "0.04395375306145688 0.8203147484373349 2.995554580651877 3.141434141488206 -0.056062241294208004 "
+        "3.1417511656913804 -0.4849381187195809",
+    ),
+    (
         "rm75",
         "-1.9845086727543024 2.0228377457287534 -0.20125357871684768 1e-12 -0.22414282516487516 -2.2329999000000003 "
         "-5.076125179119171",
@@ -991,7 +1001,7 @@ TOLD = [
 ]
 """Branches that change a thousand times; a posture on a limit; arm angles of flat elbows that floats do not tell, or
 told by postures that do not meet their pose, or break a limit; far turns, sharp bulges, and elbows elsewhere; a sample
-outside its limits between two postures inside."""
+outside its limits between two postures inside; steps that would lead from one curve to another."""
 
 
 def assert_intervals_are_met(bench, arm, q):

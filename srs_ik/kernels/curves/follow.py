@@ -253,9 +253,10 @@ def passes_two(P, a, b):
 def strays(by, q, next_q, t, step, cosine):
     """Whether a step along a curve has led so far aside, more than is vague, that it is to another one."""
     made = difference(q, next_q)
-    aside = dot7(made, made) - step * step
-    most = in_step.most_aside(step, cosine) + in_step.SETTLED
-    return aside > most and math.sqrt(aside) > math.sqrt(most) + vagueness(by.J, t, by.A)
+    if in_step.is_along(made, step, t, cosine, in_step.SETTLED):
+        return False
+    vague = vagueness(by.J, t, by.A)
+    return not in_step.is_along(made, step, t, cosine, vague * vague)
 
 
 @kernel
@@ -327,7 +328,8 @@ def follow(P, by, q, t, way, rows, n):
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
         jumps = step > in_step.longest_across(P) and passes_two(P, q, next_q)
-        if sign <= 0.0 or cosine < in_step.SMALLEST_COSINE or jumps or strays(by, q, next_q, next_t, step, cosine):
+        turns = sign <= 0.0 or cosine < in_step.SMALLEST_COSINE
+        if turns or jumps or strays(by, q, next_q, next_t, way * step, cosine):
             step *= in_step.SHRINKAGE
             continue
         if n - n0 > 2 and dot7(first_t, t) > in_step.SMALLEST_COSINE:

@@ -47,10 +47,9 @@ SHRINKAGE = 0.4
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
 
-BENT = 16.0
-ASIDE = 4e-4
-"""A curve is no farther aside of its way than twice what its turn makes of it, and this part of the step, squared: else
-the step has led to another curve."""
+ASIDE = 1e-5
+"""A step is outside of what lies between the ways of its curve at both ends by no more than this part of it, squared:
+else it has led to another curve."""
 
 VAGUE = 1e-6
 """Where several joints are singular at once, floats tell whether a posture is on a curve no better, rad squared."""
@@ -120,22 +119,14 @@ def crosses_two(P, a, b, step):
 
 
 @kernel
-def most_aside(ahead, cosine):
-    """How far aside of its way a curve is after some distance ahead, squared, where it has turned by a cosine.
+def is_along(made, ahead, way, cosine, vague):
+    """Whether steps are along a curve, given how far ahead they are, its way behind them, and by what cosine it turns.
 
-    On a circle it is half of that distance times half of the angle that it has turned by.
+    Of one step, or of eight. Where a curve turns one way, a step lies between its ways at both ends: in the ball about
+    the middle of both, by the length ahead. Also those that are off by as much as is vague, rad squared.
     """
-    return ahead * ahead * (BENT * (1.0 - cosine) / (1.0 + cosine) + ASIDE)
-
-
-@kernel
-def is_along(made, way, cosine, vague):
-    """Which of eight postures may be on the curves that began along a way, given how far they are and how they turn.
-
-    Also those that are off by as much as is vague, rad squared.
-    """
-    ahead = dot7(made, way)
-    return dot7(made, made) - ahead * ahead < most_aside(ahead, cosine) + vague
+    outside = dot7(made, made) - ahead * (dot7(made, way) + ahead * (1.0 - cosine))
+    return outside < ASIDE * ahead * ahead + vague
 
 
 @kernel
@@ -169,7 +160,7 @@ def step_in_step(P, R, p, rows, alive):
         turns = newton_eight.turned_by_all(turns, d)
     cosine = dot7(way, t)
     made = along7(q, -1.0, before)
-    met &= as_bits((cosine > SMALLEST_COSINE) & is_along(made, way, cosine, SETTLED))
+    met &= as_bits((cosine > SMALLEST_COSINE) & is_along(made, step, t, cosine, SETTLED))
     return q, t, met & ~as_bits(crosses_two(P, before, q, step)), cosine
 
 

@@ -70,9 +70,9 @@ def shares_of_ways(P, q, way, chord, mark, to_mark):
     along_chord = dot7(to_mark, chord)
     share = along_chord / length2
     off2 = dot7(to_mark, to_mark) - share * along_chord
-    ahead = dot7(read_way(mark), chord)
-    along = in_step.is_along(to_mark, way, dot7(read_way(mark), way), in_step.VAGUE)
-    beside = (ahead > 0.0) & (off2 < in_step.BESIDE * in_step.BESIDE * length2) & along
+    mark_way = read_way(mark)
+    along = in_step.is_along(to_mark, dot7(to_mark, way), mark_way, dot7(mark_way, way), in_step.VAGUE)
+    beside = (dot7(mark_way, to_mark) > 0.0) & (off2 < in_step.BESIDE * in_step.BESIDE * length2) & along
     jumps = in_step.crosses_two(P, q, along7(q, 1.0, to_mark), share * root(length2))
     share = where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
     return where(jumps, 2.0 + 0.0 * share, share)
