@@ -132,7 +132,9 @@ def bounded_step(K, M, m, q, held, liking):
     bound = between(NO_SEED, low, high)
     let_go, down = 0, True
     for _ in range(ROUNDS):
-        d, forces, down = solve_held(K, M, m, held, bound)
+        d, forces, to_minimum = solve_held(K, M, m, held, bound)
+        # What a step to a saddle passes says nothing of the joints that are to be held.
+        down = down and to_minimum
         worst, most = -1, 1e-14
         for j in range(7):
             passed = max(low[j] - d[j], d[j] - high[j])
