@@ -145,8 +145,8 @@ def bounded_step(K, M, m, q, joints, liking):
     (held, let_go), down = joints, True
     for _ in range(ROUNDS):
         d, forces, to_minimum = solve_held(K, M, m, held, bound)
-        # What a step to a saddle passes says nothing of the joints that are to be held.
-        down = down and to_minimum
+        # What a step to a saddle passes says nothing of the joints to be held; with a roll alone free, it is turned down.
+        down = to_minimum and (down or m == 5)
         worst, most = -1, 1e-14
         for j in range(7):
             passed = max(low[j] - d[j], d[j] - high[j])
