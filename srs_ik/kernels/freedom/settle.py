@@ -145,7 +145,7 @@ def bounded_step(K, M, m, q, joints, liking):
     (held, let_go), down = joints, True
     for _ in range(ROUNDS):
         d, forces, to_minimum = solve_held(K, M, m, held, bound)
-        # What a step to a saddle passes says nothing of the joints to be held; with a roll alone free, it is turned down.
+        # What a step to a saddle passes says nothing of the joints to be held; of a roll, it is turned down.
         down = to_minimum and (down or m == 5)
         worst, most = -1, 1e-14
         for j in range(7):
