@@ -26,9 +26,13 @@ CONTRADICTION = 1e-3
 """An equation that depends on others is left out where these leave no more than so much of it, m and rad: along a
 straight arm, what is left of a pose depends on the square of what is left across it."""
 
-ROOM_ROW = 12
+ROOM_ROW, GIVES = 12, RHS - 1
 """Row of the system whose right-hand side says the same with joints on limits: a limit may be what keeps the pose
-apart, and the multipliers tell which."""
+apart, and the multipliers tell which. Before it stands the weight by which equations that contradict each other give
+way."""
+
+SOFT = 1e-15
+"""That weight, as a rule."""
 
 
 @kernel

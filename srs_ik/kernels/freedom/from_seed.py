@@ -55,8 +55,9 @@ SLACK = 2.0
 """An elbow of a limb with rounded figures passes its limit to and fro where its nearest exact limb's is this close to
 it, by what the two differ in."""
 
-ROUNDS, GAIN = 4, 1e-6
-"""Times that the roll follows joint 7, and the least that this is worth, squared rad."""
+ROUNDS, GAIN, AWAY = 4, 1e-6, 1e-3
+"""Times that the roll follows joint 7, and the least that this is worth, squared rad. A joint 7 that the pose keeps
+farther from the seed's, rad, makes the roll where it is, too: rounded figures may leave an elbow's limit no other."""
 
 
 @kernel
@@ -107,7 +108,7 @@ def drawn(P, pose, freedom, liking, desk):
                 break
             fill(desk.J, K, q, liking, (NONE, NONE, turns[1]), (0.0, 1.0, 1.0))
             add_springs(K, m, stiff)
-            step, _, _, _ = bounded_step(K, desk.copy, 0, q, 0, liking)
+            step, _, _, _ = bounded_step(K, desk.copy, 0, q, (0, 0), liking)
             size = 0.0
             for j in range(7):
                 size = max(size, abs(step[j]))
@@ -147,7 +148,9 @@ def with_roll_held(family, P, pose, freedom, goal, liking, best, desk):
         if value < OUTSIDE and gained > 0.0:
             best = Found(q, value, True)
         if value >= OUTSIDE or gained < GAIN:
-            break
+            if abs(best.q[6] - seventh) < AWAY:
+                break
+            seventh = best.q[6]
     return best
 
 

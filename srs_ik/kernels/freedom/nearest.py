@@ -14,7 +14,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.freedom.constraints import THIN, equations
-from srs_ik.kernels.freedom.elimination import RHS, ROOM_ROW
+from srs_ik.kernels.freedom.elimination import GIVES, RHS, ROOM_ROW, SOFT
 from srs_ik.kernels.freedom.settle import HELD_BACK, NO_FORCE, bounded_step, distance, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import APART, NO_NEARER, NONE_LEFT, change_places, line_up, take_next
 from srs_ik.kernels.jit import kernel
@@ -61,7 +61,7 @@ def searched(P, start, pose, freedom, rival, desk):
 def straightened(P, q, pose, freedom, liking, desk):
     """The posture around one, on the place of its pose, whose axis leans least that limits allow."""
     K = desk.system
-    K[ROOM_ROW, RHS] = HELD_BACK
+    K[ROOM_ROW, RHS], K[ROOM_ROW, GIVES] = HELD_BACK, SOFT
     for _ in range(STRAIGHTER):
         equations(P, q, pose, Freedom(freedom.axis, 0.0), NO_FORCE, desk)
         for i in range(7):
@@ -69,7 +69,7 @@ def straightened(P, q, pose, freedom, liking, desk):
                 K[i, j] = K[10, i] * K[10, j] + K[11, i] * K[11, j]
             K[i, i] += SLUGGISH
             K[i, RHS] = K[10, i] * K[10, RHS] + K[11, i] * K[11, RHS]
-        step, _, _, _ = bounded_step(K, desk.copy, 3, q, 0, liking)
+        step, _, _, _ = bounded_step(K, desk.copy, 3, q, (0, 0), liking)
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
     return q
 

@@ -11,7 +11,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, with_joint
 from srs_ik.kernels.freedom.constraints import bends, equations, fill, leaves_cone, on_edge, price
-from srs_ik.kernels.freedom.elimination import CONTRADICTION, RHS, ROOM_ROW
+from srs_ik.kernels.freedom.elimination import CONTRADICTION, GIVES, RHS, ROOM_ROW, SOFT
 from srs_ik.kernels.freedom.system import solve_held
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
@@ -47,6 +47,12 @@ HELD_BACK, BENT = 1e-10, 3.0
 """With joints on limits, an equation that depends on others is left out where these leave no more than so much of it, m
 and rad, or what the bends of the last step may leave: so many times its square."""
 
+BARELY, STRICT, CALM = 1e-6, 1e-24, 1e-7
+"""Where a roll is missed by less, m and rad, but by more than bends leave, equations that almost depend on others are
+taken at their word from then on: where figures are rounded, a joint has to go far for the last of it. They give way by
+the square of what is missed, and by the second weight at least. Joints stay on their limits, and a step shorter than
+the third, rad, is the last one: rounding leaves no more."""
+
 ON_LIMIT = 1e-12
 """A joint this close to a limit, rad, is on it."""
 
@@ -72,6 +78,9 @@ ROUNDS = 12
 
 EVEN = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 """Weights by which all joints count the same."""
+
+ALL = 0b1111111
+"""All joints, as a bit set."""
 
 NO_FORCE = (0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -124,15 +133,20 @@ def freed(K, m, q, d, forces, held, liking):
 
 
 @kernel
-def bounded_step(K, M, m, q, held, liking):
-    """The step that keeps the limits: it, multipliers, joints on a limit, and whether it may lead to a minimum."""
+def bounded_step(K, M, m, q, joints, liking):
+    """The step that keeps the limits: it, multipliers, joints on a limit, and whether it may lead to a minimum.
+
+    Joints are those on a limit to begin with, and those that are not let go of, as bit sets.
+    """
     d = NO_SEED
     forces = NO_FORCE
     low, high = along7(liking.lower, -1.0, q), along7(liking.upper, -1.0, q)
     bound = between(NO_SEED, low, high)
-    let_go, down = 0, True
+    (held, let_go), down = joints, True
     for _ in range(ROUNDS):
-        d, forces, down = solve_held(K, M, m, held, bound)
+        d, forces, to_minimum = solve_held(K, M, m, held, bound)
+        # What a step to a saddle passes says nothing of the joints to be held; of a roll, it is turned down.
+        down = to_minimum and (down or m == 5)
         worst, most = -1, 1e-14
         for j in range(7):
             passed = max(low[j] - d[j], d[j] - high[j])
@@ -208,7 +222,7 @@ def settle(P, q, pose, freedom, liking, desk):
     K, M, J = desk.system, desk.copy, desk.J
     q = between(q, liking.lower, liking.upper)
     forces, held = NO_FORCE, 0
-    error, size, at_rest, leads = math.inf, math.inf, False, False
+    error, size, at_rest, leads, strict = math.inf, math.inf, False, False, False
     known, slow, blocked, missed = 0, 0, 0, math.inf
     before, step, worth = q, NO_SEED, math.inf
     last, asked, share, radius, restoring = NO_FORCE, NO_FORCE, 1.0, MAX_STEP, False
@@ -216,7 +230,7 @@ def settle(P, q, pose, freedom, liking, desk):
         m, error, turns = equations(P, q, pose, freedom, forces, desk)
         m = on_edge(m, known, forces)
         leads = (k == 0 and error < MET and distance(q, liking) < liking.rival) or (k > 0 and leads)
-        if size < SETTLED and error < MET:
+        if error < MET and size < (CALM if strict else SETTLED):
             at_rest = True
             break
         slow += 1 if error > max(FAR, SLOWLY * missed) else 0
@@ -234,21 +248,25 @@ def settle(P, q, pose, freedom, liking, desk):
             q = along7(before, 1.0, step)
             continue
         radius = min(2.0 * radius, MAX_STEP)
-        K[ROOM_ROW, RHS] = min(max(HELD_BACK, BENT * size * size), CONTRADICTION)
+        left = max(HELD_BACK, BENT * size * size)
+        strict = strict or (freedom.cone == 0.0 and left < error < BARELY)
+        K[ROOM_ROW, RHS] = 0.0 if strict else min(left, CONTRADICTION)
+        K[ROOM_ROW, GIVES] = max(error * error, STRICT) if strict else SOFT
         curve = bends(m, forces, turns, freedom.cone)
         near = error < ALMOST
         curved = near and known == m
         pull, plain = 1.0 if near else 0.0, 1.0
         fill(J, K, q, liking, curve, (1.0 if curved else 0.0, plain, pull))
-        step, asked, on, down = bounded_step(K, M, m, q, held, liking)
+        joints = held, ALL if strict else 0
+        step, asked, on, down = bounded_step(K, M, m, q, joints, liking)
         while curved and plain < STIFFEST and not down:
             # Not towards a minimum: stiffer, it is downhill along the equations, and no farther than they bend.
             plain = STIFFER * plain
             fill(J, K, q, liking, curve, (1.0, plain, pull))
-            step, asked, on, down = bounded_step(K, M, m, q, held, liking)
+            step, asked, on, down = bounded_step(K, M, m, q, joints, liking)
         if m == 3 and leaves_cone(K, freedom, step):
             m = 4
-            step, asked, on, down = bounded_step(K, M, m, q, held, liking)
+            step, asked, on, down = bounded_step(K, M, m, q, joints, liking)
         blocked += 1 if error > FAR and left_by(K, m, step) > BLOCKED * error else 0
         if blocked > 1:
             break

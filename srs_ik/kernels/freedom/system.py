@@ -10,7 +10,7 @@ import math
 
 from srs_ik.kernels.algebra.lanes import LANES, as_mask, eight_of, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.freedom.elimination import BASIC_ROW, INVERSE, RHS, solve_equations
+from srs_ik.kernels.freedom.elimination import BASIC_ROW, GIVES, INVERSE, RHS, ROOM_ROW, solve_equations
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
 
@@ -26,9 +26,6 @@ SWEEPS, SPLIT = 4, 1e-4
 
 FLAT = 0.01
 """Least bend along a way, by the largest, where steps are turned downhill."""
-
-SOFT = 1e-15
-"""Weight by which equations that contradict each other give way."""
 
 
 @kernel
@@ -110,7 +107,7 @@ def solve_together(K, M, m, held, d):
         for j in range(7):
             M[7 + r, j] = K[7 + r, j]
         for i in range(m):
-            M[7 + r, 7 + i] = -SOFT if i == r else 0.0
+            M[7 + r, 7 + i] = -K[ROOM_ROW, GIVES] if i == r else 0.0
         M[7 + r, RHS] = K[7 + r, RHS]
     sign = eliminate(M, 7 + m)
     forces = (M[7, RHS], M[8, RHS], M[9, RHS], M[10, RHS] if m > 3 else 0.0, M[11, RHS] if m > 4 else 0.0)
