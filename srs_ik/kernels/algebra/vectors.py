@@ -143,8 +143,9 @@ def times(A, B):
 
 
 @kernel
-def swing(a, b, c, cosine, sine):
-    """The vector a + cosine b + sine c, on a circle."""
+def swing(circle, cosine, sine):
+    """The vector a + cosine b + sine c of a circle (a, b, c)."""
+    a, b, c = circle
     return (a[0] + cosine * b[0] + sine * c[0], a[1] + cosine * b[1] + sine * c[1], a[2] + cosine * b[2] + sine * c[2])
 
 

@@ -51,18 +51,10 @@ def way_to_limits(P, q, rates, way):
 
 @kernel
 def to_limits(P, q, psi, way, target, steps):
-    """Newton's method from eight postures to the first limits on their way.
+    """Newton's method from eight postures inside the limits, at arm angles, to the first limits on their way.
 
-    Args:
-        P: packed limb.
-        q: seven times eight joint angles to start from, inside the limits.
-        psi: their arm angles.
-        way: direction of the arm angle in which to go, 1.0 or -1.0.
-        target: the pose.
-        steps: largest number of steps.
-
-    Returns:
-        The postures, their arm angles, and as bits which of them meet the pose on a limit.
+    `way` is the direction of the arm angle in which to go, 1.0 or -1.0. Returns the postures, their arm angles, and as
+    bits which of them meet the pose on a limit.
     """
     R, p, place_ = target
     t, h0 = place_[0], place_[1]

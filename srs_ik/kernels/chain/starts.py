@@ -182,6 +182,6 @@ def put_splits(P, target, J, starts, n):
         q, _, _ = side_posture(P, side, psi, other, other, False, NO_SEED, False)
         q = with_joint(q, first + 1, P[k + PHASE] + end * math.pi)
         for m in range(SPLITS if n + SPLITS <= starts.shape[0] and is_one_line(P, q, target, first, J) else 0):
-            store7(row(starts, n), 0, split(P, q, first, k, 2.0 * math.pi * m / SPLITS))
+            store7(row(starts, n), 0, split(P, k, q, 2.0 * math.pi * m / SPLITS))
             n += 1
     return n

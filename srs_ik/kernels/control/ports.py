@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.vectors import add, dot, load3, load9, scale, sub
-from srs_ik.kernels.chain.arm_angle_rates import gradient, point_velocity
+from srs_ik.kernels.chain.arm_angle_rates import gradient
+from srs_ik.kernels.chain.kinematics import point_velocity
 from srs_ik.kernels.chain.newton import arm_angle, elbow_position, twist_to
 from srs_ik.kernels.control.impedance import pull, pull_angle
 from srs_ik.kernels.control.profile import force

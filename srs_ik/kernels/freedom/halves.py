@@ -105,7 +105,7 @@ def write_halves(P, k, circles, sought, table):
     for i in range(0, ARM_ANGLES, LANES):
         steps = float(i) + eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
         c, s = turn(sought.shift + steps * (TURN / ARM_ANGLES))
-        v, y = swing(v0[0], v0[1], v0[2], c, s), swing(y0[0], y0[1], y0[2], c, s)
+        v, y = swing(v0, c, s), swing(y0, c, s)
         c, s, reached = middle_eight(P, k, v)
         q = eight_angles(P, k, v, y, c, s)
         if loose:

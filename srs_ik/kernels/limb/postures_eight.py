@@ -41,7 +41,7 @@ BELOW_LANES = 0b10101010
 def swung(below, circles, c, s):
     """Eight vectors on circles of either side of the elbow, at arm angles given as cosines and sines."""
     a, b = circles
-    return swing(choose(below, b[0], a[0]), choose(below, b[1], a[1]), choose(below, b[2], a[2]), c, s)
+    return swing((choose(below, b[0], a[0]), choose(below, b[1], a[1]), choose(below, b[2], a[2])), c, s)
 
 
 @kernel

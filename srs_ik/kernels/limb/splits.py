@@ -15,6 +15,14 @@ TURN = 2.0 * math.pi
 
 
 @kernel
+def with_outer(q, first, q1, q3):
+    """A posture with joints 1 and 3 of the shoulder (first = 0) or of the wrist (4) replaced."""
+    if first == 0:
+        return (q1, q[1], q3, q[3], q[4], q[5], q[6])
+    return (q[0], q[1], q[2], q[3], q1, q[5], q3)
+
+
+@kernel
 def rest_of(total, toward, q1, q3):
     """What is missing from two angles to the sum, in [-pi, pi]."""
     rest = total - toward * q1 - q3

@@ -54,11 +54,7 @@ def ways_of_eight(P, tips, q):
 def moved_eight(P, poses, q, moves):
     """Postures moved some ways along directions of the curves of their poses, and as bits, which meet their poses.
 
-    Args:
-        P: packed limb.
-        poses: eight rotations and positions, or one.
-        q: a posture of each, or one.
-        moves: the directions, and how far along them.
+    `poses` are eight rotations and positions, or one, with a posture each; `moves` directions, and how far along them.
     """
     by = Setting(Target(poses[0], poses[1], 0.0), 0.0, True, 0.0, 0.0)
     there, _, met = between_eight(P, by, on_way(q, moves[0], moves[1]), moves[0])

@@ -206,7 +206,7 @@ def choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, res
     towards = (0.0, 0.0, 1.0)
     if seeded:
         tip_x, tip_y, tip_z, _ = forward_kinematics(P, seed)
-        towards = swing(scale(hand_axes[1], tip_x), tip_y, tip_z, hand_axes[4], hand_axes[7])
+        towards = swing((scale(hand_axes[1], tip_x), tip_y, tip_z), hand_axes[4], hand_axes[7])
     phi = unit_across(towards, direction, (1.0, 0.0, 0.0))
     moves_wrist = grasped and norm(cross(load3(H, at.HAND_WRIST), load3(H, at.HAND_GRASP))) >= OFF_AXIS
     branch = -1
@@ -214,7 +214,7 @@ def choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, res
         place_ = task_place(P, times_transposed(tip_axes(direction, phi), hand_axes), p)
         psi = planned_arm_angle(place_[0], place_[1], found[3])
         roll, branch = best_roll(P, place_, psi, direction, seeded, seed, respect)
-        phi = swing((0.0, 0.0, 0.0), phi, cross(direction, phi), math.cos(roll), math.sin(roll))
+        phi = swing(((0.0, 0.0, 0.0), phi, cross(direction, phi)), math.cos(roll), math.sin(roll))
         if moves_wrist:
             found = plan(P, H, x, grasped, phi, True, side, tie, lengths_of(H, grasped))
     return phi, found, branch

@@ -238,15 +238,10 @@ def step_to(P, S, C, v):
 
 @kernel
 def advance(P, S, C, given, work, out):
-    """A tracker's next period.
+    """A tracker's next period, into out (STEP,).
 
-    Args:
-        P: packed limb.
-        S: state.
-        C: settings, and behind them the parameters of an objective.
-        given: 1 with a target, 0 without, -1 with one that is no pose; its rotation and position.
-        work: J (6, 7), A (16, 9), B (7 KNOTS, BAND + 2), and the parameters of the elbow's objective.
-        out: (STEP,) output.
+    `given` is 1 with a target, 0 without, -1 with one that is no pose; and its rotation and position. `work` holds J,
+    A, B (7 KNOTS, BAND + 2), and the parameters of the elbow's objective.
     """
     has, R, p = given
     J, A, _, _ = work

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.banded import solve_band
 from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.linear import solve_band
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.jit import kernel
@@ -226,15 +226,7 @@ def improve(P, S, C, task, work):
 
 @kernel
 def foresee(P, S, C, task, work):
-    """Plan anew, from the plan before.
-
-    Args:
-        P: packed limb.
-        S: state.
-        C: settings.
-        task: parameters of the elbow's objective.
-        work: J (6, 7), A (16, 9), B (7 KNOTS, BAND + 2).
-    """
+    """Plan anew, from the plan before; `task` are the parameters of the elbow's objective, `work` J, A and B."""
     begin(S)
     for _ in range(STEPS):
         improve(P, S, C, task, work)

@@ -68,12 +68,7 @@ def bounds(P, C, q, v, side):
 def toward(C, joint, q, goal, rate):
     """The velocity that brings a joint to a goal in the shortest time and stops it there, relative to the goal's own.
 
-    Args:
-        C: settings.
-        joint: 0 to 6.
-        q: where the joint is, rad.
-        goal: where the goal is at the end of the period, rad.
-        rate: velocity of the goal, rad/s.
+    The goal is where it is at the end of the period, rad, and moves at a rate, rad/s.
     """
     period = C[PERIOD]
     behind = goal - q - period * rate
