@@ -163,3 +163,17 @@ def times_transposed(A, B):
         A[6] * B[3] + A[7] * B[4] + A[8] * B[5],
         A[6] * B[6] + A[7] * B[7] + A[8] * B[8],
     )
+
+
+@kernel
+def load_pose(S, k):
+    """Rotation and position, or matrix and shift, from place k on."""
+    return load9(S, k), load3(S, k + 9)
+
+
+@kernel
+def store_pose(S, k, R, p):
+    """Write a rotation and a position, or a matrix and a shift, from place k on."""
+    for i in range(9):
+        S[k + i] = R[i]
+    store3(S, k + 9, p)

@@ -14,9 +14,10 @@ from srs_ik.kernels.algebra.vectors import (
     apply_transposed,
     dot,
     load3,
-    load9,
+    load_pose,
     norm,
     scale,
+    store_pose,
     sub,
     times,
 )
@@ -226,28 +227,18 @@ def is_whole(shapes, a, b):
 
 
 @kernel
-def put_frame(frames, joint, M, b):
-    """Write where a joint takes what it carries."""
-    for i in range(9):
-        frames[joint, i] = M[i]
-    for i in range(3):
-        frames[joint, 9 + i] = b[i]
-
-
-@kernel
 def put_frames(P, q, frames):
     """Write where all joints take what they carry at a posture, in the base frame, into frames (8, 12)."""
     turns = seven_turns(q)
-    put_frame(frames, 0, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    store_pose(row(frames, 0), 0, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     _, _, M, b = first_line(P, turns[0])
-    put_frame(frames, 1, M, b)
+    store_pose(row(frames, 1), 0, M, b)
     for joint in range(1, 7):
         _, _, M, b = joint_line(P, joint, turns[joint], M, b)
-        put_frame(frames, joint + 1, M, b)
+        store_pose(row(frames, joint + 1), 0, M, b)
 
 
 @kernel
 def frame_of_joint(frames, joint):
     """What has been written for a joint."""
-    frame = row(frames, joint)
-    return load9(frame, 0), load3(frame, 9)
+    return load_pose(row(frames, joint), 0)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import difference, largest
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
 from srs_ik.kernels.algebra.lanes import as_bits, gather, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
@@ -80,11 +81,7 @@ def settled(P, q, slack):
 @kernel
 def turned_away(q, near):
     """Largest joint step between two postures, whole turns left out."""
-    most = 0.0
-    for j in range(7):
-        d = q[j] - near[j]
-        most = max(most, abs(d - TURN * math.floor(d / TURN + 0.5)))
-    return most
+    return largest(difference(near, q))
 
 
 @kernel

@@ -20,6 +20,7 @@ from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.corridor import ON_LIMIT_OF_CURVE, SHORTENED, beside, moving_rates, posture_at, stop_of
 from srs_ik.kernels.path.edges import (
@@ -146,8 +147,7 @@ def hold(P, course, line, move, rate):
         back, forth = room_of(P, course, line, i)
         if (back >= -ON_END and move[c] < 0.0) or (forth <= ON_END and move[c] > 0.0):
             some = True
-            for j in range(7):
-                rate[i, j] = 0.0
+            store7(row(rate, i), 0, NO_SEED)
     return some
 
 
@@ -175,8 +175,7 @@ def solve_system(system, corner, damping, n):
 @kernel
 def write_rate(P, course, line, rate, i, space):
     """Joint rates of a posture with its arm angle, or along its split, zero where they cannot be used."""
-    for j in range(7):
-        rate[i, j] = 0.0
+    store7(row(rate, i), 0, NO_SEED)
     if not course.fixed[i]:
         here = posture_at(line, i)
         v, usable = split_of(P, here.q)
@@ -295,8 +294,7 @@ def hold_beyond(P, course, line, move, rate):
         room = forth if move[c] > 0.0 else -back
         if abs(move[c]) > ON_END and room < LEAST_PART * abs(move[c]) and largest(row(rate, i)) > 0.0:
             some = True
-            for j in range(7):
-                rate[i, j] = 0.0
+            store7(row(rate, i), 0, NO_SEED)
     return some
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, where
-from srs_ik.kernels.algebra.vectors import load3, load9, store3
+from srs_ik.kernels.algebra.vectors import store_pose
 from srs_ik.kernels.chain.newton_eight import curve_step, largest
 from srs_ik.kernels.curves.in_step import between_eight, on_way
 from srs_ik.kernels.jit import kernel
@@ -19,9 +19,7 @@ from srs_ik.kernels.limb.poses import read_pose
 def write_tip(T, out):
     """Write the rotation and position of a pose (TIP,)."""
     R, p, _ = read_pose(T)
-    for k in range(0, 9, 3):
-        store3(out, k, (R[k], R[k + 1], R[k + 2]))
-    store3(out, 9, p)
+    store_pose(out, 0, R, p)
 
 
 @kernel
@@ -34,12 +32,6 @@ def gather3(rows, k, width):
 def eight_poses(tips):
     """Rotations and positions of eight poses."""
     return gather3(tips, 0, TIP) + gather3(tips, 3, TIP) + gather3(tips, 6, TIP), gather3(tips, 9, TIP)
-
-
-@kernel
-def one_pose(tip):
-    """Rotation and position of a pose."""
-    return load9(tip, 0), load3(tip, 9)
 
 
 @kernel

@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, along, cross, load3, norm, scale, store3, sub, swing, times_transposed
 from srs_ik.kernels.chain.answer import measure_row, write_row
@@ -194,8 +195,7 @@ def solve_posed(family, pose, m, branch, goal, work, out):
         if value < OUTSIDE:
             out[answer.ROW_STATUS] = answer.OUT_OF_LIMITS
             out[answer.ROW_JOINT] = tightest_joint(P, free)
-    away = out[answer.ROW_ARM_ANGLE] - psi
-    return abs(away - 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5))
+    return abs(short_way(out[answer.ROW_ARM_ANGLE] - psi))
 
 
 @kernel

@@ -12,6 +12,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, store7
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import load_pose
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
@@ -25,7 +26,7 @@ from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, out_of_reach, wanted
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.smoothing import lose_target, take_target
-from srs_ik.kernels.track.target import JUMP, keep_pace, load_pose
+from srs_ik.kernels.track.target import JUMP, keep_pace
 from srs_ik.kernels.track.verdict import CLOSE, on_the_way, verdict
 
 FASTER = 3.0

@@ -11,10 +11,11 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import load_pose, store_pose
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR
-from srs_ik.kernels.track.target import load_pose, store_pose, way_to
+from srs_ik.kernels.track.target import way_to
 
 ENOUGH = 5
 """Targets in a row that make two third differences."""
