@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, where
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, larger, where
 from srs_ik.kernels.chain import newton_eight
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.jit import kernel

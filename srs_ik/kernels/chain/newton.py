@@ -10,12 +10,11 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.linear import solve_definite, solve_linear
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
 from srs_ik.kernels.chain.kinematics import joint_lines, pose_error, tip_lines, turn_about_line, turn_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, FAR, IS_CLOSED, LOWER, SHOULDER_CENTRE, UPPER
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, arm_frame, straight_offset
 
 CLOSED = 1e-12

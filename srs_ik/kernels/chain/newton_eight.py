@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turned_by, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, root, where
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, larger, root, where
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, load9, scale, sub, swing
 from srs_ik.kernels.chain.kinematics import first_line, joint_line, turn_between
 from srs_ik.kernels.chain.newton import BOUNCES, CLOSED, LAST_STEP, MAX_STEP, ON_LINE

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7
-from srs_ik.kernels.algebra.pointers import row, scratch
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.collision.arcs import angles_of
@@ -36,7 +36,6 @@ from srs_ik.kernels.layout.path import Space
 from srs_ik.kernels.layout.shapes import MOST_SPINS, MOST_WAITING, RANGED, WATCHED
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import read_target, target_of
 from srs_ik.kernels.pose.any_bend import best_of
 from srs_ik.kernels.pose.solve import best_posture, own_goal

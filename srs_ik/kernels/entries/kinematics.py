@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import store7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.arm_angle_rates import gradient, tangent
 from srs_ik.kernels.chain.kinematics import forward_kinematics, tip_lines
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.branches import branch_of
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist, target_frame
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.ends import is_exact, on_curve
@@ -22,7 +22,6 @@ from srs_ik.kernels.layout.objectives import REFERENCE
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.in_line import may_split
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, read_target, target_of
 from srs_ik.kernels.optimum.objectives import objective, toward_reference
 from srs_ik.kernels.optimum.search import ROUNDING, Objective, capped, close_in, find_brackets, survey_best, value_rows

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, largest
-from srs_ik.kernels.algebra.pointers import keep, row, scratch
+from srs_ik.kernels.algebra.pointers import keep, read7, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS, clipped, close_free
@@ -26,7 +26,6 @@ from srs_ik.kernels.layout.limb import IS_CLOSED, IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import Aim, Around, Course, Desk, Line, Rules, Sheet, Space, Span
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import read_target, target_of
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
 from srs_ik.kernels.path.corridor import corridor, course_of, put_on_poses

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row, scratch
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry
@@ -16,7 +16,7 @@ from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import set_limits
-from srs_ik.kernels.limb.poses import is_same_pose, read7, read_pose
+from srs_ik.kernels.limb.poses import is_same_pose, read_pose
 from srs_ik.kernels.limb.triangle import read_target, target_of
 from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals

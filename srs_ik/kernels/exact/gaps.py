@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lane_trig import turn
-from srs_ik.kernels.algebra.lanes import as_bits, eight_of, root, where
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, eight_of, root, where
 from srs_ik.kernels.algebra.vectors import add, load3, norm, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at

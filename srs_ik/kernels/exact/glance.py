@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.lane_trig import angle_of
-from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
+from srs_ik.kernels.algebra.lanes import eight_of, larger, one_of, where, whole_number
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import A1_A2, A2_A3, FIRST_JOINT, INVERSE_HALF_RANGE, MIDDLE, PHASE, SHOULDER, WRIST
 from srs_ik.kernels.limb.spherical import columns_at, eight_middles, sines

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.lane_trig import TINY, turn
-from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, root, scatter, where, whole_number
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, larger, root, scatter, where, whole_number
 from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
 from srs_ik.kernels.exact.glance import eight_angles
 from srs_ik.kernels.jit import kernel

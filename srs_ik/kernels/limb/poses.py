@@ -56,12 +56,6 @@ def read_pose(T):
 
 
 @kernel
-def read7(q):
-    """Seven figures of an array as a tuple."""
-    return (q[0], q[1], q[2], q[3], q[4], q[5], q[6])
-
-
-@kernel
 def is_same_pose(T, other):
     """Whether the 16 figures of two poses are equal."""
     same = True

@@ -8,9 +8,19 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL, choose, larger, smaller
 from srs_ik.kernels.algebra.lane_trig import angle_of
-from srs_ik.kernels.algebra.lanes import as_bits, as_mask, eight_of, one_of, where, whole_number
+from srs_ik.kernels.algebra.lanes import (
+    ALL,
+    as_bits,
+    as_mask,
+    choose,
+    eight_of,
+    larger,
+    one_of,
+    smaller,
+    where,
+    whole_number,
+)
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (

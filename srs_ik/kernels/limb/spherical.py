@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from srs_ik.kernels.algebra.eight import choose
-from srs_ik.kernels.algebra.lanes import root, where
+from srs_ik.kernels.algebra.lanes import choose, root, where
 from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at

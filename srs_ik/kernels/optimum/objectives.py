@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.pointers import read7
 from srs_ik.kernels.chain.gravity import hold
 from srs_ik.kernels.chain.kinematics import tip_lines
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import objectives as at
 from srs_ik.kernels.layout.weights import SCALES
 from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
-from srs_ik.kernels.limb.poses import read7
 
 TORQUE = 5
 """Row of the work space that takes the torques, behind those of `hold`."""

@@ -18,14 +18,13 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, store7
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import A1, A2, A3, BOTTOM_GAP, LOWER, RANGE_KIND, SHOULDER, TOP_GAP, UPPER, WRIST
 from srs_ik.kernels.layout.path import CELL, CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.spherical import middle_angle
 from srs_ik.kernels.path.followed import along_cell, posture_of
 from srs_ik.kernels.path.near_strips import setting_of

@@ -8,7 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest, store7
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of
-from srs_ik.kernels.algebra.pointers import row, scratch
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.algebra.vectors import load3, load_pose
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.chain.newton_eight import largest as largest_of
@@ -17,7 +17,6 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import SETTINGS, Course, Posture, Sheet, Span, Stop
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import target_of
 from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled, write_sides

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
@@ -13,7 +13,6 @@ from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO, CURVE, NODE_PSI, POINT, Around
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, target_of
 from srs_ik.kernels.path.cells import FREE, SLACK, may_be_inside, put_cell, put_turns, stray, stray_near
 from srs_ik.kernels.path.followed import along_cell, posture_of

@@ -11,17 +11,15 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, largest, store7
-from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, gather, scatter, where
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.lanes import ALL, LANES, as_bits, as_mask, gather, scatter, where
+from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.chain.eight import put_eight, put_some, take_eight
 from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.corridor import ON_LIMIT_OF_CURVE, SHORTENED, beside, moving_rates, posture_at, stop_of
 from srs_ik.kernels.path.edges import (
     CROSS,

@@ -16,7 +16,7 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import apart, store7
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, scatter, where
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.eight import put_eight
 from srs_ik.kernels.exact.samples import add_changes
@@ -25,7 +25,6 @@ from srs_ik.kernels.layout.limb import FIRST_JOINT, INVERSE_HALF_RANGE, LOWER, R
 from srs_ik.kernels.layout.path import MEMO, MEMO_CLEAR, MEMO_SHOULDER, MEMO_STAMP, MEMO_WRIST, NODE_BRANCH, NODE_PSI
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures, in_middle_turn
 from srs_ik.kernels.limb.spherical import columns_at, eight_middles, sines
 from srs_ik.kernels.path.followed import CLEAR, posture_of, turn_all, turned_away

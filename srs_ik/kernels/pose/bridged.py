@@ -10,11 +10,10 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7
-from srs_ik.kernels.algebra.lanes import as_bits
+from srs_ik.kernels.algebra.lanes import ALL, as_bits
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, longest, moved, pose_step
@@ -22,7 +21,7 @@ from srs_ik.kernels.chain.newton_eight import largest
 from srs_ik.kernels.curves.in_step import to_curves
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
-from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.poses import read_pose
 
 PATIENCE = 60
 """Most steps."""

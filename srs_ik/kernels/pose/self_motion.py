@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.chain.answer import measure_row_at
 from srs_ik.kernels.chain.starts import best_of_all
 from srs_ik.kernels.jit import kernel
@@ -13,7 +13,6 @@ from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import OUTSIDE
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import read_target
 from srs_ik.kernels.near.at_angle import from_curves, solve_at_angle
 from srs_ik.kernels.near.band import is_told

@@ -10,9 +10,8 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, one_of, scatter
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
 from srs_ik.kernels.chain.eight import put_eight, take_eight, tip_errors
@@ -26,7 +25,6 @@ from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SHOULDER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import farthest_branches, join_parts
 from srs_ik.kernels.limb.triangle import read_target
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import add, along, cross, load3, norm, scale, store3, sub, swing, times_transposed
 from srs_ik.kernels.chain.answer import measure_row, write_row
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
@@ -25,7 +25,6 @@ from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, NEAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, tightest_joint
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.near.at_angle import may_reach, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true

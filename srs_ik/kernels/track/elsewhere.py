@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, store7
-from srs_ik.kernels.algebra.pointers import row, scratch
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.exact.farthest import branch_at
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -23,7 +23,6 @@ from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS, SIZE
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.limits import tighten
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.track.closest import DAMPING, approach, minus
 from srs_ik.kernels.track.freedom import allowed_turn, turns_to_look_at, whole_rotation

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from srs_ik.kernels.algebra.joint_vectors import apart
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.freedom import out_of_reach
 
 CLOSE = 1e-6
