@@ -3,8 +3,6 @@
 A number among eight floats stands for eight equal ones.
 """
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.lane_functions import (
     LANES,
     as_bits,

@@ -1,7 +1,5 @@
 """Small systems of linear equations, and symmetric ones whose matrix is a narrow band about its diagonal."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.lanes import gather, scatter

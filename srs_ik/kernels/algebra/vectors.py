@@ -1,7 +1,5 @@
 """Vectors as tuples of three floats, matrices as tuples of nine in row-major order."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

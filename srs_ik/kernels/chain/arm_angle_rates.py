@@ -1,7 +1,5 @@
 """First derivatives of the arm angle by the joints, and of the joints by the arm angle while the tip stands still."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

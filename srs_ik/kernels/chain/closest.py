@@ -6,8 +6,6 @@ joints find the valley, and Newton's method with the true second derivatives, on
 Where limits leave room to stretch, lengths weigh so little that the rotation is kept (`closer_upright`, `put_upright`).
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import with_joint

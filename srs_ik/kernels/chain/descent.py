@@ -5,8 +5,6 @@ each have to gain something (`descend`) go on where those do not: along limits, 
 curve of configurations turns around in a needle whose sides floats hardly tell apart.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7

@@ -1,7 +1,5 @@
 """The true chain: forward kinematics and geometric Jacobian from the joint axes as lines."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.lane_trig import seven_turns

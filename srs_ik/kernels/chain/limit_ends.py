@@ -4,8 +4,6 @@ Newton's method for eight postures of a near limb in step, with the arm angle as
 pose to first order and goes with the arm angle, one way or the other, until the first joint is on a limit.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7

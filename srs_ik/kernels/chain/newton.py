@@ -4,8 +4,6 @@ Two forms. At a given arm angle the step is square: six equations of the pose, a
 half-plane. With the arm angle free, the step is the shortest one, damped, and stays inside the limits.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7

@@ -6,8 +6,6 @@ Steps towards a pose halve what is left at best next to one. To the posture itse
 few steps: five equations of the pose, and two that make the form's slope zero.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

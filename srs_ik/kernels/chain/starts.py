@@ -3,8 +3,6 @@
 The closed form of the nearest exact limb gives the starts; Newton's method takes all of them to the true chain in step.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import store7, with_joint

@@ -6,8 +6,6 @@ most. That turns its line shoulder-wrist, bends its elbow, and with these moves 
 here.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import across, load3, norm, sub

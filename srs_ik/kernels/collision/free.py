@@ -1,7 +1,5 @@
 """What bodies leave of the intervals of a pose."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

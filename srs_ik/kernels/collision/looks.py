@@ -37,7 +37,6 @@ NARROW = 1e-6
 SOLIDS_APART = 4
 """Slots of `normals` for each solid of the first body."""
 
-
 ABOUT_LINE = 0
 ALONG_CHAIN = 1
 AT_SPIN = 2
@@ -49,29 +48,21 @@ class Question(NamedTuple):
     P: object
     target: object
     shapes: object
-    frames: tuple
-    """How rows are seen from the line S-W."""
+    frames: tuple  # how rows are seen from the line S-W
     space: object
-    pair: tuple
-    """Numbers of the two bodies."""
-    branch: int
-    """Whose postures count; where the arm angle is enough, -1 for the first elbow and -2 for the second."""
+    pair: tuple  # numbers of the two bodies
+    branch: int  # whose postures count; where the arm angle is enough, -1 for the first elbow and -2 for the second
     margin: float
-    mode: int
-    """How they are looked at."""
-    way: tuple
-    """How the first one turns about a line, if it does."""
-    spins: tuple
-    """Spins of it that hit, if nothing else moves it."""
+    mode: int  # how they are looked at
+    way: tuple  # how the first one turns about a line, if it does
+    spins: tuple  # spins of it that hit, if nothing else moves it
 
 
 class Way(NamedTuple):
     """How a body turns about a line against another one."""
 
-    rest: tuple
-    """How it is seen from the line at angle zero: the first coordinate is along it."""
-    there: tuple
-    """How the other one is seen."""
+    rest: tuple  # how it is seen from the line at angle zero: the first coordinate is along it
+    there: tuple  # how the other one is seen
     rate: float
     """Largest distance of its points from the line, m; 0 where it does not turn; negative where solids tell it."""
 
@@ -79,13 +70,10 @@ class Way(NamedTuple):
 class Spins(NamedTuple):
     """Spins of a body that hit."""
 
-    arcs: object
-    """(m, 2) a set of angles."""
+    arcs: object  # (m, 2) a set of angles
     many: int
-    sign: float
-    """The spin is this times the joint's angle."""
-    joint: int
-    """From 0."""
+    sign: float  # the spin is this times the joint's angle
+    joint: int  # from 0
 
 
 @kernel

@@ -1,7 +1,5 @@
 """How fast the joints of shoulder and wrist turn at most while the arm turns about the line shoulder-wrist."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

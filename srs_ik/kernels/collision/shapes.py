@@ -37,38 +37,25 @@ UNKNOWN = -1.0
 class Shapes(NamedTuple):
     """The tables of `layout.shapes`, and work space."""
 
-    solids: object
-    """(S, SOLID)."""
-    of_solid: object
-    """(S, OF_SOLID) integers."""
-    points: object
-    """(N, 3)."""
-    bodies: object
-    """(B, SHAPED)."""
-    of_body: object
-    """(B, OF_BODY) integers."""
-    pairs: object
-    """(K, PAIR) integers."""
-    outer: object
-    """(2, OUTER)."""
-    from_line: object
-    """(S,) work space: largest distance of a solid from the line S-W, where it turns about it."""
-    frames: object
-    """(8, 12) work space: where the joints take what they carry, matrix and shift."""
-    normals: object
-    """(NORMALS, 3) work space: planes that were between two bodies."""
+    solids: object  # (S, SOLID)
+    of_solid: object  # (S, OF_SOLID) integers
+    points: object  # (N, 3)
+    bodies: object  # (B, SHAPED)
+    of_body: object  # (B, OF_BODY) integers
+    pairs: object  # (K, PAIR) integers
+    outer: object  # (2, OUTER)
+    from_line: object  # (S,) work space: largest distance of a solid from the line S-W, where it turns about it
+    frames: object  # (8, 12) work space: where the joints take what they carry, matrix and shift
+    normals: object  # (NORMALS, 3) work space: planes that were between two bodies
 
 
 class Along(NamedTuple):
     """What is looked at along a curve: the shapes, and where joints are at both ends of a step."""
 
     shapes: object
-    couple_of: object
-    """(n,) integers: which row of the shapes' pairs belongs to each pair that spheres watch, or -1."""
-    before: object
-    """(8, 12) work space, like `Shapes.frames`, which is for the middle."""
-    behind: object
-    """(8, 12) work space."""
+    couple_of: object  # (n,) integers: which row of the shapes' pairs belongs to each pair that spheres watch, or -1
+    before: object  # (8, 12) work space, like `Shapes.frames`, which is for the middle
+    behind: object  # (8, 12) work space
 
 
 @kernel

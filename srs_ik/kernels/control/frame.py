@@ -7,8 +7,6 @@ an ellipse. New axes never add energy: where F(x)/x does not grow, U is a concav
 distance, so that U(|e|), all of it along the first axis, is at most the sum of U over any three axes.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import along, cross, dot, scale

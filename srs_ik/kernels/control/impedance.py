@@ -4,8 +4,6 @@ Source: C. Tiseo et al., Bio-mimetic Adaptive Force/Position Control Using Fract
 law B is that of its authors' published program.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import along, dot, load3

@@ -26,14 +26,10 @@ STEEPEST = 20.0
 class Motion(NamedTuple):
     """How the arm moves in a tick."""
 
-    q: Any
-    """Seven joint angles."""
-    v: Any
-    """Seven joint speeds."""
-    frame: Any
-    """Directions x, y and z of the tip, and its point."""
-    J: Any
-    """(6, 7) lines of the joints."""
+    q: Any  # seven joint angles
+    v: Any  # seven joint speeds
+    frame: Any  # directions x, y and z of the tip, and its point
+    J: Any  # (6, 7) lines of the joints
 
 
 @kernel

@@ -7,8 +7,6 @@ Real shapes are those of `layout.shapes`: `solids` (S, SOLID) and `of_solid` (S,
 (B, SHAPED) and `of_body` (B, OF_BODY), `couples` (K, PAIR) and `outer` (2, OUTER).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

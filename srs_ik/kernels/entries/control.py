@@ -1,7 +1,5 @@
 """Entry points: one tick of a torque controller, its force profiles, and a mass on one axis."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import read7, row

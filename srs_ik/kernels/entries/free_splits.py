@@ -1,7 +1,5 @@
 """Entry point for the free splits of a pose: the segments of postures that hang at single arm angles."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

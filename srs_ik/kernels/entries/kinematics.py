@@ -1,7 +1,5 @@
 """Entry points: where the tip and the elbow of configurations are, and how they move with the joints."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import store7

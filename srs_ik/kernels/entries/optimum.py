@@ -1,7 +1,5 @@
 """Entry points of `optimise`: built-in objectives in one call, and the parts of the search for any other objective."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell

@@ -7,8 +7,6 @@ limits, and `start` (k, 7) is the posture before the first one, or none. A path 
 and whether a posture has to stay, `fixed` (n,).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

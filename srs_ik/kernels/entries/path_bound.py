@@ -1,7 +1,5 @@
 """Entry points for what no path through some poses costs less than."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import dot7

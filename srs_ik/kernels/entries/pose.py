@@ -3,8 +3,6 @@
 A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import read7, row, scratch

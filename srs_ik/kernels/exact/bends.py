@@ -5,8 +5,6 @@ and where the outer axes of the shoulder or of the wrist lie along the arm as we
 postures of its own: together they are a surface, on which the joints turn far.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ and those are known (`intervals`). So any posture tells where all better ones ar
 climbs from posture to posture until nothing is left. Limits moved out instead give the least violating posture.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ upper arm by x / 2, and an outer joint next to its singularity turns far with th
 a flat elbow may be one at another bend.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

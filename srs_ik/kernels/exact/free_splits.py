@@ -6,8 +6,6 @@ segment is a stretch of a curve so steep that arm angles cannot tell its posture
 the axes were in line, where the best split is known in closed form, and the posture is then closed on the true chain.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

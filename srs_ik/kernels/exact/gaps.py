@@ -1,7 +1,5 @@
 """Which solutions of a spherical joint keep the limits between the arm angles at which that may change, in eights."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.lane_trig import turn
@@ -18,7 +16,6 @@ ROUNDING = 4e-15
 
 NARROW = 1e-6
 """A gap narrower than this, rad, is looked at by itself: next to what it lies between, rounding decides."""
-
 
 AT_ITS_END = 2e-14
 CLOSE_TO_END = 1e-13

@@ -3,8 +3,6 @@
 This is to tell where to look closely: the free split of a singular joint is not told.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.lane_trig import angle_of

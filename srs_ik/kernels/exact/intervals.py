@@ -6,8 +6,6 @@ for axes in any direction), so the arm angles at which anything can change are k
 decides.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ A local search gives a posture at some distance D. A nearer one would have every
 exact intervals for limits tightened to that box hold all that can still be better, which is little or nothing.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate

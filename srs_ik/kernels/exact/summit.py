@@ -5,8 +5,6 @@ each goes on as it does (Newton's method on their difference), or to where the r
 five steps leave rounding. Between limits that cannot be kept, the way leads to the least violation.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import row

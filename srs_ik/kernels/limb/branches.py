@@ -4,8 +4,6 @@ A branch is numbered 4 e + 2 s + w: e = 0 where q4 - STRAIGHT is positive, s = 0
 their phase. Two elbow angles give two rotations of the arm; each has two shoulder and two wrist solutions.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import copy

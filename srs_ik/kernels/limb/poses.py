@@ -1,7 +1,5 @@
 """Poses and postures as they come in: checked, and brought to tuples."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

@@ -4,8 +4,6 @@ The equations are those of `spherical`; where a shoulder or a wrist is singular 
 as unsure.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.lane_trig import angle_of

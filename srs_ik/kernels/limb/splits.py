@@ -4,8 +4,6 @@ There the rotation fixes toward q1 + q3 alone, but for whole turns: toward is 1.
 -1.0 for opposite ones. The splits inside the limits are segments, one for each turn of the sum.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

@@ -4,8 +4,6 @@ They make up a surface where two of shoulder, elbow and wrist are singular at on
 the true chain lie next to it, but connect in ways of their own.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import short_way, store7

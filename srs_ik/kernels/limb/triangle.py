@@ -1,7 +1,5 @@
 """The triangle shoulder-elbow-wrist: from a tip pose to the elbow angle, from the arm angle to the arm's rotation."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import (

@@ -1,7 +1,5 @@
 """What a map tells of a pose: its branches, the width and number of its intervals, its margin and its arcs of yaw."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

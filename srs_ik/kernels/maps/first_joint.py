@@ -5,8 +5,6 @@ it. Joint 1 turns where two arm angles for one q1 become one: where that linear 
 angle touches its value. With perpendicular axes this is a quadratic form in cosine and sine of q1: two directions.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import across, cross, dot, load3, rotate, swing

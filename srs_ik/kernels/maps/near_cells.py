@@ -4,8 +4,6 @@ Arcs of yaw follow from the angle of joint 1 at arm angles all along an interval
 smallest: there is no closed form for where it turns.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 
@@ -43,7 +41,6 @@ ROUNDING = 1e-9
 """Of the reach."""
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-
 
 PROBED = 8
 """Arm angles, evenly spaced, that are tried before the intervals are looked for."""

@@ -4,8 +4,6 @@ Most poses that are reached show it at one of a few arm angles. Those that are n
 feasible arm angles of shoulder and wrist: whether any of one joint is one of the other.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 

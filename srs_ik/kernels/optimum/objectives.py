@@ -5,8 +5,6 @@ unit force direction in places 0 to 2 and the unit velocity direction in 3 to 5,
 or a posture in 0 to 6; behind them lie the weights of the arm.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import read7

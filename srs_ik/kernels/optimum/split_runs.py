@@ -5,8 +5,6 @@ more than one sum is free at once, many runs cover the surface of postures, and 
 it in all directions of the surface.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Postures of the poses between two at which a path is planned."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

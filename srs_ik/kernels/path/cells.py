@@ -13,8 +13,6 @@ and t between which no joint steps farther are a convex polygon: seven strips cu
 what can be reached of the other cell.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, store7

@@ -1,7 +1,5 @@
 """A path made better within a corridor: the same programme over a few postures to both sides of each of its own."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All cells of a pose, and finer ones in the place of some."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7

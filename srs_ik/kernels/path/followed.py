@@ -3,8 +3,6 @@
 What the postures of an elbow branch of a pose share may be worked out once, and read again.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import difference, largest

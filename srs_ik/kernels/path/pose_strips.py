@@ -1,7 +1,5 @@
 """All strips of a pose: of its feasible intervals, and of the turns of joints that have more than one."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, short_way

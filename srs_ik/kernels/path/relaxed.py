@@ -7,8 +7,6 @@ in the second one: its values at both ends, less the bound of its bend, are nowh
 costs is one figure.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7

@@ -5,8 +5,6 @@ path, with one more row and column where all steps share a bound. Arm angles on 
 beyond it stay there (projected as by Bertsekas 1982).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 A strip that begins or ends in one has all its turns for neighbours.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7

@@ -1,7 +1,5 @@
 """One joint step: from a posture to another, or from between two of a strip, and what it counts."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.lanes import larger, where, whole_number

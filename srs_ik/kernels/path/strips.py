@@ -7,8 +7,6 @@ arm angle stands still, there are as many as the joints need. Where a joint has 
 turns has strips of its own.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

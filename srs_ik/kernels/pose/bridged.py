@@ -6,8 +6,6 @@ which joints on a limit that want to pass it stay there. Steps of least squares 
 Where eight postures in a row are for one pose, eight are taken there in step first, by Newton's method.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7

@@ -1,7 +1,5 @@
 """Feasible arm angles of one pose, either kind of limb."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Postures of eight poses moved along their curves on the true chain, in step."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, where

@@ -1,7 +1,5 @@
 """The whole redundancy of a pose: its feasible intervals, and the best posture over all of them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -45,7 +43,6 @@ from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_a
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
-
 
 APART = 1e-6
 """Splits farther apart than this, rad, are two."""

@@ -1,7 +1,5 @@
 """Postures evenly spaced in arm angle through the intervals of a pose, each in the turns nearest to the one before."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, read7, row

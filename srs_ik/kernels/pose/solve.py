@@ -4,8 +4,6 @@ A solving function writes rows laid out as `ROW_*` in `layout`; statuses are num
 A are work space of near limbs, (6, 7) and (16, 9) (see `chain.starts`).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ With elbow and arm angle fixed, what the wrist has to turn moves on circles with
 angle when the hand is fixed. So the rolls at which the wrist keeps its limits are exact intervals too.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ on the axis of joint 3 (erratum 3), q_4 from a difference of unit vectors (4), a
 that keeps the sign of the pronosupination only half of the time (6).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ goal within all their limits, and brake so that they stop at it. Once they have 
 pose themselves, with the elbow where their limits leave room for it.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, store7

@@ -1,7 +1,5 @@
 """A tip close to its target, but not on it: it comes back on the straight way, and brakes so that it does not pass."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, between

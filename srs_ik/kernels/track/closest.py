@@ -3,8 +3,6 @@
 Turning by a radian counts as much as moving by a *lever*: that of `chain.closest` is the reach of the arm.
 """
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.joint_vectors import along7, between
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row

@@ -1,7 +1,5 @@
 """What is asked of the elbow: an arm angle, or the way on which an objective falls."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.joint_vectors import short_way, with_joint
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.farthest import branch_at

@@ -4,8 +4,6 @@ The goal moves on the true chain, step by step; limits can stop it where the sam
 read off the intervals of the pose.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ the arm goes straight through a singular posture in its way or early around it, 
 comes. A plan is two steps of Gauss and Newton from the plan before, on the true chain.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7

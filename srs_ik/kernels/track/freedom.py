@@ -1,7 +1,5 @@
 """Targets that leave a turn free: which rotations they allow, and which one they are taken for."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import read7, row

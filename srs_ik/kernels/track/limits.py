@@ -4,8 +4,6 @@ A period has one velocity. Accelerations are differences of these over the perio
 angles as they are sent out, and not for a continuous motion that would lie behind them.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel
@@ -20,7 +18,6 @@ PUSH = 1.0 - 1e-6
 
 RUN = 1.0 - 1e-9
 """Share of the largest velocity that is used."""
-
 
 NO_END = 1e3
 """A joint that may go on this far, rad, is nowhere near an end."""

@@ -6,8 +6,6 @@ there is none. Its median over a window does not see jumps: they are a few sampl
 between targets some may be lost, or be expected at every tenth update alone.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import row

@@ -5,8 +5,6 @@ each target; what is followed comes after the estimate by its accelerations alon
 velocity and acceleration of the trend, so at constant acceleration neither lags.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import add, along, load3, load_pose, scale, store_pose, sub

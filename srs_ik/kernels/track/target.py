@@ -1,7 +1,5 @@
 """Poses that a tracker keeps, ways between them, and how fast what is followed moves."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import along, cross, dot, load_pose, norm, rotate, scale

@@ -7,8 +7,6 @@ are a matter of the jolt.
 Source: E. Brookner, Tracking and Kalman Filtering Made Easy (1998), section 1.3.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import along, load3, load_pose, norm, store_pose

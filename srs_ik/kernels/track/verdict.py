@@ -1,7 +1,5 @@
 """What an update says: its status and reason, and the joint that stands out."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.joint_vectors import apart
 from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.jit import kernel
