@@ -20,7 +20,6 @@ from srs_ik.kernels.algebra.vectors import (
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
-from srs_ik.kernels.layout.answer import GOOD_POSE
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.limb.poses import read_pose
 
@@ -82,10 +81,8 @@ def elbow_bend(P, d):
 
 @kernel
 def read_target(P, T):
-    """A pose with what all its configurations share, and the verdict on it; what is no pose counts as the base's."""
+    """A pose with what all its configurations share, which says nothing of what is no pose, and the verdict on it."""
     R, p, verdict = read_pose(T)
-    if verdict != GOOD_POSE:
-        R, p = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
     return Target(R, p, place(P, R, p)), verdict
 
 

@@ -9,7 +9,7 @@ pose themselves, with the elbow where their limits leave room for it.
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, store7
-from srs_ik.kernels.algebra.pointers import read7, row
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.algebra.vectors import load_pose
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
@@ -80,15 +80,10 @@ def reach_of_goal(P, C, goal, joint, side):
 @kernel
 def reaches_of_goal(P, C, g, side):
     """`reach_of_goal` of all joints."""
-    return (
-        reach_of_goal(P, C, g, 0, side),
-        reach_of_goal(P, C, g, 1, side),
-        reach_of_goal(P, C, g, 2, side),
-        reach_of_goal(P, C, g, 3, side),
-        reach_of_goal(P, C, g, 4, side),
-        reach_of_goal(P, C, g, 5, side),
-        reach_of_goal(P, C, g, 6, side),
-    )
+    found = row(scratch(1, 7), 0)
+    for joint in range(7):
+        found[joint] = reach_of_goal(P, C, g, joint, side)
+    return read7(found)
 
 
 @kernel
@@ -123,15 +118,9 @@ def move_goal(P, S, C, pose, work):
 def follow_goal(S, C, low, high):
     """Velocities with which the joints come to the goal and stop there, as far as their limits allow."""
     q, goal, rate = read7(row(S, at.Q)), read7(row(S, at.GOAL)), read7(row(S, at.GOAL_RATE))
-    v = (
-        toward(C, 0, q[0], goal[0], rate[0]),
-        toward(C, 1, q[1], goal[1], rate[1]),
-        toward(C, 2, q[2], goal[2], rate[2]),
-        toward(C, 3, q[3], goal[3], rate[3]),
-        toward(C, 4, q[4], goal[4], rate[4]),
-        toward(C, 5, q[5], goal[5], rate[5]),
-        toward(C, 6, q[6], goal[6], rate[6]),
-    )
+    v = row(scratch(1, 7), 0)
+    for joint in range(7):
+        v[joint] = toward(C, joint, q[joint], goal[joint], rate[joint])
     return between(v, low, high)
 
 

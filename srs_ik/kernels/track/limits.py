@@ -6,6 +6,7 @@ angles as they are sent out, and not for a continuous motion that would lie behi
 
 import math
 
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
 from srs_ik.kernels.layout.track import ACCELERATION, PERIOD, SPEED
@@ -50,15 +51,10 @@ def bound(P, C, q, v, joint, side):
 @kernel
 def bounds(P, C, q, v, side):
     """`bound` of all joints."""
-    return (
-        bound(P, C, q, v, 0, side),
-        bound(P, C, q, v, 1, side),
-        bound(P, C, q, v, 2, side),
-        bound(P, C, q, v, 3, side),
-        bound(P, C, q, v, 4, side),
-        bound(P, C, q, v, 5, side),
-        bound(P, C, q, v, 6, side),
-    )
+    found = row(scratch(1, 7), 0)
+    for joint in range(7):
+        found[joint] = bound(P, C, q, v, joint, side)
+    return read7(found)
 
 
 @kernel
