@@ -22,6 +22,7 @@ from srs_ik.solve import kinematics
 from srs_ik.solve.in_limits import InLimits
 from srs_ik.solve.packed import pack_arm
 from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.scene import Scene
@@ -39,8 +40,6 @@ if TYPE_CHECKING:
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
     from srs_ik.solve.tracker.tracker import Tracker
-
-Array = NDArray[np.float64]
 
 
 class Arm(BodyOwner):

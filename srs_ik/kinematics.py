@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration, InvalidRobot, SrsIkError, did_you_mean, quoted
 from srs_ik.inputs.fixed import Fixed
@@ -20,8 +20,7 @@ from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.skeleton import is_revolute
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 def check_arm(arm: Any, error: type[SrsIkError] = InvalidRobot) -> None:

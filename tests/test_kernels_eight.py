@@ -8,9 +8,8 @@ import oracles
 import pytest
 from numba import njit
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lane_trig import angle_of
-from srs_ik.kernels.algebra.lanes import gather, scatter
+from srs_ik.kernels.algebra.lanes import ALL, gather, scatter
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import put_eight
 from srs_ik.kernels.layout import limb as at

@@ -7,8 +7,8 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.vectors import store_pose
 from srs_ik.kernels.layout.track import ROTATION, STATE
-from srs_ik.kernels.track.target import store_pose
 from srs_ik.kernels.track.trend import LASTS, coast, foretold, forget, learn
 
 DT = 0.002

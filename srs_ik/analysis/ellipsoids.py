@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask, MissingLimits, quoted
 from srs_ik.inputs.numbers import real_array
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
 
-Array = NDArray[np.float64]
 Part = Literal["linear", "angular", "full"]
 
 RANK_TOLERANCE = 1e-10

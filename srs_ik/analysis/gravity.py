@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidTask
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
-
-Array = NDArray[np.float64]
 
 
 def gravity_torque(arm: ChainKinematics, otherwise: str) -> Callable[[Array], Array]:

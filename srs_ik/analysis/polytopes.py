@@ -21,8 +21,7 @@ from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra
 from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import as_joint_vector, as_positive
 from srs_ik.kinematics import ChainKinematics, check_arm
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 SAME = 1e-9
 """Corners nearer than this are one, and a polytope thinner than this is empty, in units of the joints' half ranges."""

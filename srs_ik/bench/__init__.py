@@ -1,3 +1,1 @@
 """How long the package takes on this machine: single calls, batches, memory, start. `srs-ik bench` prints it."""
-
-from __future__ import annotations

@@ -10,11 +10,9 @@ from importlib import metadata
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.arm import Arm
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 WARM_UP = 20
 FARTHER = 1e-6

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.arm import Arm
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 SEED_SPREAD = 0.02
 """Seeds are this near to a posture of the pose, rad a joint."""

@@ -10,20 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import (
-    AllowXacro,
-    AsJson,
-    Base,
-    Limb,
-    NumbersCommand,
-    Six,
-    Source,
-    Three,
-    Tip,
-    WrongInput,
-    numbers,
-)
-from srs_ik.cli.scenes import SceneFile, read
+from srs_ik.cli.options import AsJson, NumbersCommand, OneArm, Six, Three, WrongInput, numbers, with_groups
+from srs_ik.cli.scenes import Around, SceneFile
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -64,7 +52,7 @@ def _more(measure: list[str] | None, scene: Path | None, velocity: Three | None,
         "measures": measure or (),
         "velocity": None if velocity is None else numbers("--velocity", velocity),
         "force": None if force is None else numbers("--force", force),
-        "scene": read(scene, None).get("scene"),
+        "scene": Around(scene).read().get("scene"),
     }
 
 
@@ -83,8 +71,9 @@ def _bar(what: str, cells: int) -> Iterator[Progress]:
 
 
 @map_app.command("make", cls=NumbersCommand, short_help="Make a map, or go on with one.")
+@with_groups
 def make(
-    source: Source,
+    *,
     out: Annotated[
         Path, typer.Option(metavar="MAP", help="Folder for the map; one that is half made is gone on with.")
     ],
@@ -102,10 +91,7 @@ def make(
     dask: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Scheduler of a Dask cluster; 'local' starts one here.")
     ] = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
+    which: OneArm,
 ) -> None:
     """Make a map, or go on with one. It may be killed at any moment: what is done stays done.
 
@@ -113,10 +99,9 @@ def make(
     """
     metres, where = _grid(step, box, bounds)
 
-    from srs_ik.loading import load
     from srs_ik.maps.build import build_map, plan_map
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = which.load()
     more = _more(measure, scene, velocity, force)
     plan = plan_map(arm, metres, orientations=orientations, box_bounds=where, **more)
     with _client(dask) as client, _bar(f"{plan.cells:,} cells", plan.cells) as progress:
@@ -149,8 +134,9 @@ def _client(address: str | None) -> Iterator[Any]:
 
 
 @map_app.command("estimate", cls=NumbersCommand, short_help="Say how long a map would take.")
+@with_groups
 def estimate(
-    source: Source,
+    *,
     step: Step = "0.05",
     orientations: Turns = 2304,
     box: InBox = False,
@@ -160,10 +146,7 @@ def estimate(
     velocity: Velocity = None,
     force: Force = None,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processors that share the work.")] = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
+    which: OneArm,
     as_json: AsJson = False,
 ) -> None:
     """Say what a map would take, from the time of some of its cells."""
@@ -173,10 +156,9 @@ def estimate(
 
     metres, where = _grid(step, box, bounds)
 
-    from srs_ik.loading import load
     from srs_ik.maps.build import estimate as estimated
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = which.load()
     more = _more(measure, scene, velocity, force)
     found = estimated(arm, metres, orientations=orientations, box=where, workers=workers, **more)
     if as_json:

@@ -20,12 +20,12 @@ from srs_ik.errors import InvalidScene, NoBodies, did_you_mean, listed, quoted
 from srs_ik.meshes.files import MeshFinder, MeshMissing, MeshShelf
 from srs_ik.robot.description.shapes import Shape, read_shapes
 from srs_ik.robot.limb import ReadOnlyArrays
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
     from srs_ik.robot.description.model import Drawing
 
-Array = NDArray[np.float64]
 Source = Literal["collision", "visual", "spheres", "object"]
 
 SPHERES = 32

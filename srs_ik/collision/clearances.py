@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.kernels.layout import collision as at
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.tables import Tables
-
-Array = NDArray[np.float64]
 
 CARRIERS = (0, 7, 3, 4)
 """The joint that carries each place of the layout."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 _PARTS = 64
 """Triangles are cut to this part of the diagonal of the mesh ..."""
@@ -40,8 +40,7 @@ _DIRECTIONS = 200
 class Cover(NamedTuple):
     """Spheres that contain a surface."""
 
-    spheres: Array
-    """(n, 4) centre and radius, m."""
+    spheres: Array  # (n, 4) centre and radius, m
     protrusion: float
     """Largest distance from the surface of a point of the spheres that lies outside of it, m; measured."""
 

@@ -7,13 +7,11 @@ import warnings
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidPose, InvalidScene, quoted
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 LARGEST = 1e4
 """Largest size and coordinate of an object, m."""

@@ -10,7 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
+
 Kind = Literal["box", "cylinder", "sphere", "capsule", "mesh", "half_space"]
 
 _SECTIONS = 24

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidScene, quoted
 from srs_ik.kinematics import ChainKinematics
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from srs_ik.collision.tables import OwnTables, Tables
     from srs_ik.robot.description.model import Drawing
     from srs_ik.robot.limb import SrsLimb
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,6 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from srs_ik.collision.bodies import Body
 from srs_ik.collision.ranges import JointRange
 from srs_ik.collision.survey import MANY, Survey
@@ -20,8 +17,6 @@ from srs_ik.robot.description.srdf import disabled_pairs
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
     from srs_ik.robot.description.model import Drawing
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

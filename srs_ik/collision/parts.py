@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.collision.forms import Form, ball_around, least_along, surface
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 FAR_APART = 0.02
 """Where even the convex hulls of two bodies are this far apart, m, their distance is near enough to that of both."""

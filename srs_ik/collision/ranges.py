@@ -15,12 +15,11 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-
-Array = NDArray[np.float64]
 
 BOXES = 128
 """Ranges of the first joint at first, each with bounds of its own."""

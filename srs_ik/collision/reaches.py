@@ -12,15 +12,13 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.collision.parts import Part, apart, is_convex, transform
 from srs_ik.collision.real_world import OBJECT, SPINNING, TURNING
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.real_world import RealWorld
-
-Array = NDArray[np.float64]
 
 TOUCH = 1e-5
 """Distances are known to this, m: coal's tolerance is 1e-6."""

@@ -6,17 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.collision.forms import Form
 from srs_ik.collision.parts import apart, hull, is_convex, parts_of
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from srs_ik.collision.bodies import Body
-
-Array = NDArray[np.float64]
 
 
 class RealBodies:

@@ -13,6 +13,7 @@ from srs_ik.collision.forms import is_round
 from srs_ik.collision.parts import apart, parts_of, transform
 from srs_ik.collision.real import real_forms
 from srs_ik.collision.solids import Carried, Solids
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from srs_ik.collision.ranges import JointRange
     from srs_ik.collision.scene import Scene
     from srs_ik.collision.tables import Tables
-
-Array = NDArray[np.float64]
 
 TURNING = (2, 3, 4, 5)
 """Joints whose bodies turn with the arm angle."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.collision.figures import (
     LARGEST,
@@ -27,12 +27,11 @@ from srs_ik.inputs.numbers import as_flag, real_array, real_number
 from srs_ik.inputs.poses import PoseLike
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kinematics import check_arm
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
     from srs_ik.collision.scene_files import Given
-
-Array = NDArray[np.float64]
 
 MESH_SPHERES = 96
 """Spheres that cover a mesh, about."""

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.collision.figures import as_vector
 from srs_ik.collision.sphere_files import read_tree_of
@@ -17,8 +16,7 @@ from srs_ik.inputs.messages import pose_matrix
 from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy, warn_of_degrees
 from srs_ik.robot.description.files import label_of
 from srs_ik.system import bounds
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 KINDS = ("sphere", "box", "cylinder", "capsule", "mesh", "points", "half_space")
 

@@ -12,13 +12,13 @@ from srs_ik.collision.parts import inner_radius
 from srs_ik.collision.tables import PLACES
 from srs_ik.kernels.layout import shapes as at
 from srs_ik.kernels.layout.collision import BASE, UPPER
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.forms import Form
     from srs_ik.collision.parts import Part
     from srs_ik.robot.limb import SrsLimb
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 

@@ -8,14 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidScene, MissingExtra, quoted
 from srs_ik.inputs.numbers import real_number
 from srs_ik.robot.description.files import label_of, read
 from srs_ik.system import bounds
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 _WRAPPERS = ("robot_cfg", "kinematics", "collision_spheres", "spheres")
 _CENTRES = ("center", "centre", "origin")

@@ -10,11 +10,9 @@ import os
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from srs_ik.system.arrays import Array
 from srs_ik.system.writing import write_whole
-
-Array = NDArray[np.float64]
 
 _VERSION = "1"
 """Of the way in which spheres are found."""

@@ -9,18 +9,16 @@ from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.collision import store
 from srs_ik.collision.bodies import Body
 from srs_ik.collision.forms import is_round
 from srs_ik.collision.ranges import BOXES, FINE, PART, Bounds, JointRange, key_of
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.real import RealBodies
     from srs_ik.kinematics import ChainKinematics
-
-Array = NDArray[np.float64]
 
 POSTURES = 200
 """Random postures inside the limits, at which pairs are looked at."""

@@ -18,12 +18,12 @@ from srs_ik.collision.scene import Scene
 from srs_ik.collision.thing import ball_of
 from srs_ik.errors import InvalidScene, quoted
 from srs_ik.kernels.layout import collision as at
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
     from srs_ik.robot.limb import SrsLimb
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 PLACES = (at.BASE, at.BASE, at.UPPER, at.UPPER, at.FORE, at.FORE, at.TIP, at.TIP)

@@ -6,12 +6,10 @@ import copy
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.collision.forms import Form
 from srs_ik.kernels.layout import collision as at
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 CELL = 32
 """Points of a cloud that are looked at together."""

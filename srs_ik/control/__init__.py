@@ -4,8 +4,6 @@ C. Tiseo, S. R. Charitos, M. Mistry name this as their future work: the geometri
 without projections into a null space.
 """
 
-from __future__ import annotations
-
 from srs_ik.control import baselines, one_axis, planners
 from srs_ik.control.controller import PortReading, TorqueController
 from srs_ik.control.impedance import FractalImpedance, JointLimits, JointSpeeds

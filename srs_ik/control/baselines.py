@@ -11,14 +11,14 @@ from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.analysis.gravity import require_masses
 from srs_ik.arm import Arm
 from srs_ik.inputs.control import not_negative, one_of, positive, thing, vector
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_joint_vector, as_rigid_matrix
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Inverse = Literal["pinv", "damped"]
 
 DETERMINANT = 1e-2

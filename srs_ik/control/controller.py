@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.analysis.gravity import require_masses
 from srs_ik.arm import Arm
@@ -16,13 +16,13 @@ from srs_ik.inputs.control import flag, seven_positive, thing, things, vector
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_joint_vector, as_rigid_matrix
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
     from srs_ik.solve.posture import Side, Tie
     from srs_ik.solve.solution import Solution
 
-Array = NDArray[np.float64]
 Usual = TypeVar("Usual", JointLimits, JointSpeeds)
 
 MOST_PORTS = 32

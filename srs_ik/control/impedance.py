@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.control.profile import ForceProfile, Law, checked_law
 from srs_ik.errors import InvalidController
 from srs_ik.inputs.control import flag, not_negative, one_of, positive, seven_positive, thing
 from srs_ik.kernels.layout import control as at
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Place = Literal["tip", "orientation", "elbow", "arm_angle"]
 
 _KINDS = {"tip": at.TIP, "orientation": at.ORIENTATION, "elbow": at.ELBOW, "arm_angle": at.ARM_ANGLE}

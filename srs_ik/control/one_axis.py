@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.control.profile import ForceProfile, Law
 from srs_ik.errors import InvalidController
 from srs_ik.inputs import control as given
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 def free_response(profile: ForceProfile, mass: float, start: float, dt: float, count: int, law: Law = "A") -> Array:

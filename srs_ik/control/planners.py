@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.arm import Arm
 from srs_ik.inputs import control as given
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 def minimum_jerk(share: ArrayLike) -> Array:

@@ -7,14 +7,14 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidController
 from srs_ik.inputs.control import distances, not_negative, one_of, positive
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Law = Literal["A", "B", "spring"]
 Shape = Literal["tanh", "saturated", "published"]
 

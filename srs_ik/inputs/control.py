@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidController, listed, quoted
 from srs_ik.inputs.numbers import as_flag, real_array, real_number
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Thing = TypeVar("Thing")
 
 MOST = 10_000_000

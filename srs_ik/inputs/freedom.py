@@ -7,13 +7,12 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask, quoted
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, FREEDOM
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 ANY = "any"
 """Stands for a position alone."""

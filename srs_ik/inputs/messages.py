@@ -9,13 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from srs_ik.errors import InvalidConfiguration, did_you_mean, listed
 from srs_ik.inputs.rotations import pose_from_xyz_quaternion
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 _OUTER = ("pose", "transform")
 _DEEPEST = 2

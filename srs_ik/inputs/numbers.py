@@ -6,11 +6,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration, SrsIkError, quoted
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 _REAL = "biufO"
 """Kinds of arrays that hold numbers, or objects that may be some; text and records would be read as figures."""

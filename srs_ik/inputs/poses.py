@@ -15,8 +15,8 @@ from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.rotations import Order, checked_order, quaternion_of
 from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.answer import FARTHEST, NOT_A_ROTATION, NOT_FINITE, TOO_FAR
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 PoseLike = Any
 """A `pinocchio.SE3`, anything that NumPy reads as a 4 x 4 array, or an object like a pose of geometry_msgs."""
 

@@ -9,12 +9,12 @@ from typing import Any, Literal, cast
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidPose, quoted
 from srs_ik.inputs.numbers import real_array
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Order = Literal["xyzw", "wxyz"]
 
 _TO_XYZW = {"xyzw": [0, 1, 2, 3], "wxyz": [1, 2, 3, 0]}

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.numbers import real_array
 from srs_ik.kernels.entries import task as entries
 from srs_ik.kernels.layout import task as at
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 _FIELDS = ("position", "velocity", "force", "grasp", "pronosupination")
 _FIRST_OPTIONAL = 3

@@ -15,17 +15,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap, MissingExtra
 from srs_ik.maps.grid import checked_step
 from srs_ik.maps.plan import YAW
+from srs_ik.system.arrays import Array
 from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.maps.reader import Map
-
-Array = NDArray[np.float64]
 
 MOST_POINTS = 20_000_000
 """Points of an even grid at most."""

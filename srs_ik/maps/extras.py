@@ -16,6 +16,7 @@ from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, RATIO_ANGLE, RATIO_
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.optimise import optimise
 from srs_ik.solve.reachable import free_first_joint
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
 
-Array = NDArray[np.float64]
 Direction = tuple[float, float, float]
 
 

@@ -9,15 +9,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap, quoted
 from srs_ik.inputs.numbers import real_number
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
-Array = NDArray[np.float64]
 Kind = Literal["half-plane", "box"]
 
 CELLS_A_TASK = 100_000

@@ -16,14 +16,13 @@ from srs_ik.maps.placement import refuse_no_poses
 from srs_ik.maps.plan import MEASURES, YAW, Plan, arcs_of, checked_measures
 from srs_ik.maps.tasks import in_base
 from srs_ik.solve.reachable import measured, reachable_batch
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from srs_ik.arm import Arm
     from srs_ik.collision.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 def measures_of(

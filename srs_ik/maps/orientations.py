@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap, quoted
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 TURN = 2.0 * math.pi

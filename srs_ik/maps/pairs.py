@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap, quoted
 from srs_ik.maps.plan import OF_SCENE, OF_TASK, Plan
 from srs_ik.maps.store import Store, create, folder_of
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.maps.reader import Map
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

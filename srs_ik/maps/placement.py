@@ -15,11 +15,11 @@ from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.maps import CELL_WIDTH
 from srs_ik.kinematics import check_arm
 from srs_ik.solve.reachable import largest_margins, measured, reachable_batch
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
-Array = NDArray[np.float64]
 Measure = Literal["share", "width", "margin", "manipulability"]
 
 AT_ONCE = 65_536

@@ -19,12 +19,12 @@ from srs_ik.maps.placement import refuse_no_poses
 from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, fingerprint, whole
 from srs_ik.maps.store import DONE, Store, folder_of
 from srs_ik.maps.tasks import compute, job_of
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.collision.scene import Scene
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 TURN = 2.0 * math.pi

@@ -19,13 +19,12 @@ from srs_ik.maps.orientations import Orientations
 from srs_ik.maps.plan import MEASURES, YAW, Plan
 from srs_ik.maps.store import Store
 from srs_ik.solve.reachable import free_first_joint, measured
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.collision.scene import Scene
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 AT_ONCE = 2_000
 """Cells whose figures are held in full precision, and after which a task can be stopped."""

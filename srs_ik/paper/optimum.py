@@ -14,18 +14,17 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration, InvalidTask, quoted
 from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_positive, as_rigid_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.solve.objectives import Objective
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-
-Array = NDArray[np.float64]
 
 DEFAULT_LAMBDA = 1e-6
 """The paper's task accuracy, metres and radians."""

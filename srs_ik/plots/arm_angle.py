@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.analysis.ellipsoids import manipulability
 from srs_ik.inputs.poses import as_branch, as_matrix
@@ -13,14 +12,13 @@ from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import EMPTY, FORCE, JOINT, VELOCITY, new_figure
 from srs_ik.plots.intervals import bars, whole_circle
 from srs_ik.solve.objectives import Objective
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
     from srs_ik.inputs.poses import PoseLike
-
-Array = NDArray[np.float64]
 
 SAMPLES = 721
 """Arm angles that are drawn: every half degree."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.analysis.ellipsoids import Ellipsoid, force_ellipsoid, limits_of, velocity_ellipsoid
 from srs_ik.errors import InvalidTask
@@ -13,13 +13,12 @@ from srs_ik.inputs.poses import as_joint_vector
 from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import FORCE, VELOCITY, new_figure
 from srs_ik.plots.solids import Skeleton, Solid, arm_solids, collection, ellipsoid, skeleton
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
-
-Array = NDArray[np.float64]
 
 DRAWN = 0.35
 """The largest bounded semi-axis is drawn this long, relative to the length from shoulder to wrist, stretched."""

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from srs_ik.plots.figure import ARM, JOINT
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-
-Array = NDArray[np.float64]
 
 _AROUND, _ALONG = 28, 12
 _LIGHT = np.array([0.3, -0.5, 0.81])

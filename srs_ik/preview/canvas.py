@@ -9,7 +9,6 @@ import numpy as np
 from meshcat.animation import Animation, AnimationClip, AnimationTrack
 from meshcat.geometry import MeshPhongMaterial, TriangularMeshGeometry, pack_numpy_array
 from meshcat.visualizer import Visualizer
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from srs_ik.preview import palette
@@ -19,8 +18,7 @@ from srs_ik.preview.palette import Rgb
 from srs_ik.preview.robot import Stage
 from srs_ik.preview.server import Window
 from srs_ik.preview.solids import Solid
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 _FOREVER = 1_000_000
 

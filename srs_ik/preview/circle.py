@@ -6,18 +6,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from srs_ik.preview import palette, solids
 from srs_ik.preview.robot import reach
 from srs_ik.preview.solids import Solid
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solve.solution import Interval
-
-Array = NDArray[np.float64]
 
 _POINT = 1e-3
 """A circle smaller than this share of the arm's reach is a point: the arm is stretched."""
@@ -27,10 +25,8 @@ class ElbowCircle(NamedTuple):
     """In the base frame, metres; on a near limb within millimetres."""
 
     centre: Array
-    across: Array
-    """Unit vector to where the elbow is at arm angle zero."""
-    axis: Array
-    """Unit vector from shoulder to wrist."""
+    across: Array  # unit vector to where the elbow is at arm angle zero
+    axis: Array  # unit vector from shoulder to wrist
     radius: float
 
 

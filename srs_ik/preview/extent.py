@@ -6,11 +6,9 @@ import itertools
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.preview.solids import Solid
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 class Extent:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.inputs.poses import PoseLike, as_positive, as_rigid_matrix
 from srs_ik.kinematics import check_arm
@@ -20,12 +20,11 @@ from srs_ik.preview import palette
 from srs_ik.preview.live import LivePage
 from srs_ik.preview.page import wxyz
 from srs_ik.preview.words import STYLE, css, degrees
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solve.tracker.tracker import Tracker, TrackerStep
-
-Array = NDArray[np.float64]
 
 SHOWN = 8.0
 """Seconds that the strip chart shows."""

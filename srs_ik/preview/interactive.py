@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix, as_seed
 from srs_ik.preview.circle import arc_solids, circle_solids
@@ -17,12 +17,11 @@ from srs_ik.preview.live import LivePage
 from srs_ik.preview.page import wxyz
 from srs_ik.preview.words import report, span
 from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solve.solution import Interval, Solution
-
-Array = NDArray[np.float64]
 
 _NOTHING = "no posture"
 _PALE = 0.3

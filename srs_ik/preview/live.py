@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import PreviewError
 from srs_ik.inputs.poses import as_joint_vector
@@ -19,11 +19,10 @@ from srs_ik.preview import solids
 from srs_ik.preview.page import PageCanvas, rotation, serve, stop
 from srs_ik.preview.robot import Stage, limb, look, reach, resting
 from srs_ik.preview.words import title
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-
-Array = NDArray[np.float64]
 
 _TARGET = "/scene/target"
 _CAMERA = np.array([1.4, -0.95, 0.6])

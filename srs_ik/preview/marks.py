@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask
 from srs_ik.preview import palette, solids
 from srs_ik.preview.palette import Rgb
 from srs_ik.preview.solids import Solid
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.analysis.ellipsoids import Ellipsoid
     from srs_ik.analysis.polytopes import Polytope
     from srs_ik.inputs.task import Task
     from srs_ik.solve.posture import Posture
-
-Array = NDArray[np.float64]
 
 TASK_LEGEND = [
     (palette.VELOCITY, "velocity"),

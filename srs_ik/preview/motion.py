@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import as_branch, as_positive
 from srs_ik.solve.self_motion import through
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solve.solution import Interval
-
-Array = NDArray[np.float64]
 
 FPS = 30.0
 _MOST_FRAMES = 3000

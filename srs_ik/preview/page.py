@@ -8,20 +8,18 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from srs_ik.errors import MissingExtra, PreviewError
 from srs_ik.preview.door import HOST, Door, as_port
 from srs_ik.preview.extent import Extent
 from srs_ik.preview.solids import Solid
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     import viser
 
     from srs_ik.preview.inbox import Inbox
-
-Array = NDArray[np.float64]
 
 
 class Served(NamedTuple):

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
@@ -15,12 +14,11 @@ from srs_ik.maps.live import yaw_arcs
 from srs_ik.preview import palette, solids
 from srs_ik.preview.palette import Rgb
 from srs_ik.preview.solids import Solid
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.maps.reader import Map
     from srs_ik.preview.view import Preview
-
-Array = NDArray[np.float64]
 
 MOST_POINTS = 20_000
 """Points that a browser turns smoothly."""

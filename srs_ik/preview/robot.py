@@ -10,18 +10,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pinocchio as pin
 import trimesh
-from numpy.typing import NDArray
 
 from srs_ik.meshes import bounds
 from srs_ik.meshes.files import MeshFinder, MeshMissing, MeshShelf, Piece
 from srs_ik.preview import palette, solids
 from srs_ik.preview.solids import Solid
 from srs_ik.robot.description.shapes import Shape, read_shapes, read_tree
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-
-Array = NDArray[np.float64]
 
 
 _BENT = 0.8
@@ -37,18 +35,15 @@ _BENDS = 61
 class Part(NamedTuple):
     """A solid that a joint carries."""
 
-    joint: int
-    """0 for what stands still, 1 to 7 for what that joint moves."""
-    solid: Solid
-    """In the frame of the joint."""
+    joint: int  # 0 for what stands still, 1 to 7 for what that joint moves
+    solid: Solid  # in the frame of the joint
 
 
 class Look(NamedTuple):
     """All that is drawn of a robot, and what could not be."""
 
     parts: list[Part]
-    missing: list[str]
-    """One clause for each shape that is not drawn."""
+    missing: list[str]  # one clause for each shape that is not drawn
 
 
 class Stage(NamedTuple):
@@ -56,8 +51,7 @@ class Stage(NamedTuple):
 
     R_scene_base: Array
     """(3, 3) rotation that sets the root of the robot upright, or the base frame where that was given to the arm."""
-    floor: float
-    """Height of the lowest part that stands still, above the base frame, metres."""
+    floor: float  # height of the lowest part that stands still, above the base frame, metres
 
     @classmethod
     def of(cls, arm: Arm, parts: Sequence[Part]) -> Stage:

@@ -8,11 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.preview.palette import Rgb
-
-Array = NDArray[np.float64]
 
 _SHARP = 0.6
 """Edges whose faces meet at more than this angle, rad, are drawn as edges, flatter ones are drawn round."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from srs_ik.collision.bodies import joined
 from srs_ik.collision.clearances import clearances
@@ -18,12 +17,11 @@ from srs_ik.preview import palette, solids
 from srs_ik.preview.palette import Rgb
 from srs_ik.preview.solids import Solid
 from srs_ik.solve.solution import Interval
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.collision.scene import Scene
-
-Array = NDArray[np.float64]
 
 AMPLE = 0.1
 """From this clearance on, m, a body is drawn in the colour of those that are far away."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 import trimesh
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidScene, PreviewError, quoted
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
@@ -26,6 +26,7 @@ from srs_ik.preview.server import Window
 from srs_ik.preview.surroundings import body_solids, forbidden, object_solids
 from srs_ik.preview.words import Entry
 from srs_ik.solve.in_scene.surroundings import Surroundings
+from srs_ik.system.arrays import Array
 from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
@@ -34,8 +35,6 @@ if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
     from srs_ik.solve.posture import Posture
     from srs_ik.solve.solution import Interval
-
-Array = NDArray[np.float64]
 
 _GHOST_OPACITY = 0.22
 

@@ -1,7 +1,5 @@
 """MuJoCo as the plant of torque controllers (extra 'sim'): the same robot file, walls, pegs, boxes, pushes, records."""
 
-from __future__ import annotations
-
 from srs_ik.sim.plant import Plant
 from srs_ik.sim.record import Record
 from srs_ik.sim.simulate import Push, simulate

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.kernels.entries.pose import measure_shifts
 from srs_ik.kernels.layout import limb as at
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 SAMPLES = 1024
 """Random configurations; for as many more the elbow is almost straight."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 SMALLEST = 1e-9
 """Where a motion of the tip asks for joint motions larger by the inverse of this, there are no derivatives."""

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import PoseLike, as_matrix, invalid_pose
 from srs_ik.kernels.entries import free_splits as entries
 from srs_ik.kernels.layout import search as at
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

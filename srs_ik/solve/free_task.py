@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
@@ -21,11 +21,11 @@ from srs_ik.inputs.poses import as_seeds, seed_of
 from srs_ik.inputs.task import Task
 from srs_ik.solve.solution import Status
 from srs_ik.solve.task import BatchTaskSolution, TaskSolution
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
 
-Array = NDArray[np.float64]
 Ask = Callable[[Task, Any], Any]
 """Solves tasks near a seed, or without one."""
 

@@ -29,8 +29,7 @@ from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.solution import BatchSolution, Solution, Status
 from srs_ik.solve.threads import run_in_threads
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 BESIDE = 0.2
 """A posture that misses its pose by less, m and rad, may lead onto it."""

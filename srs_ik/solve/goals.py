@@ -6,17 +6,15 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from srs_ik.kernels.layout.limb import SMALLEST_RANGE
 from srs_ik.solve import pose as pose_solver
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
     from srs_ik.solve.solution import Solution
-
-Array = NDArray[np.float64]
 
 _WIDEST = 0.1
 """Arm angles of the first look at an interval are this far apart at most, rad."""

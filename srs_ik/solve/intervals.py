@@ -14,11 +14,10 @@ from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.solve.solution import Interval
 from srs_ik.solve.threads import run_in_threads
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 BLOCK = 64 * MOST_INTERVALS
 """Intervals that a thread gathers before it puts them aside: half a megabyte, and hundreds of poses."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import as_joint_vectors
 from srs_ik.kernels.entries.kinematics import forward_range, jacobian_range
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.threads import run_in_threads
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 def forward_kinematics_batch(packed: PackedArm, q: Any, threads: int | None) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scales
 from srs_ik.errors import InvalidTask, did_you_mean, listed, quoted
@@ -15,11 +15,10 @@ from srs_ik.inputs.poses import as_joint_vector, refuse_bad_angles
 from srs_ik.kernels.layout import objectives as kinds
 from srs_ik.kernels.layout.limb import SMALLEST_RANGE
 from srs_ik.kinematics import check_arm
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
-
-Array = NDArray[np.float64]
 
 DEFAULT_TOLERANCE = 0.01
 """Share of the first objective that a lexicographic one gives away for the second."""

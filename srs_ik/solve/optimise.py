@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import PoseLike, as_matrix, invalid_pose
@@ -19,12 +18,11 @@ from srs_ik.solve.objectives import Objective
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import ElbowRange, Interval, Solution
 from srs_ik.solve.turns import OverTurns
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 
 _ROUNDING = 1e-9

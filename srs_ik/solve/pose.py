@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import (
@@ -26,8 +26,7 @@ from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.solution import BatchSolution, Solution, Solutions
 from srs_ik.solve.threads import run_in_threads
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 def solve(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidTask, quoted
 from srs_ik.inputs.task import Task
@@ -13,8 +12,8 @@ from srs_ik.kernels.entries import task as entries
 from srs_ik.kernels.layout import task as at
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.threads import checked_threads, run_in_threads
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 Tie = Literal["lower", "upper"]
 

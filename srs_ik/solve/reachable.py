@@ -15,11 +15,10 @@ from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LIMITED, LOOSE, MIDDL
 from srs_ik.kernels.layout.maps import CELL_ARCS, CELL_MARGIN, CELL_PIECES, REACHED, UNSURE
 from srs_ik.solve.pose import solve_batch
 from srs_ik.solve.threads import run_in_threads
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 
 def reachable_batch(arm: PackedArm, poses: Any, threads: int | None = None) -> NDArray[np.bool_]:

@@ -23,11 +23,10 @@ from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.solution import Status
 from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 from srs_ik.solve.threads import tell
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 BESIDE = 0.05
 """So much of its length, the reach of a near limb may differ from that of the nearest exact one at most."""

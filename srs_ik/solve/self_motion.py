@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration, quoted
 from srs_ik.inputs.poses import PoseLike, as_branch, as_rigid_matrix
@@ -14,11 +13,10 @@ from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.intervals import intervals
 from srs_ik.solve.solution import BatchSolution, Interval
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 MOST_POSTURES = 1_000_000
 """Postures an interval that fit into memory, and into some seconds: 100 MB."""

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout import answer as at
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 class Status(IntEnum):

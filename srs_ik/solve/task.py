@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import as_seeds
@@ -17,8 +17,7 @@ from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.posture import Posture, Side, Tie, signs
 from srs_ik.solve.solution import BatchSolution, ElbowRange, Solution, Status
 from srs_ik.solve.threads import checked_threads, run_in_threads
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 _POSTURE = slice(at.TASK_POSTURE, at.TASK_ROTATION)
 

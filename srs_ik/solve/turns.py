@@ -6,9 +6,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 TURN = 2.0 * math.pi
 

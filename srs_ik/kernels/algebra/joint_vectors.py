@@ -1,7 +1,5 @@
 """Seven joint angles as a vector: products, sums, and differences the short way round."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

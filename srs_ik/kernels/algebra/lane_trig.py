@@ -1,7 +1,5 @@
 """Cosines and sines of eight angles at once: of a call of `math` each, the eight would take most of the time."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number

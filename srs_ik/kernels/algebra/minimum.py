@@ -6,8 +6,6 @@ for Minimization without Derivatives, 1973, chapter 5): parabolas where they beh
 starts with the three points of the bracket known.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

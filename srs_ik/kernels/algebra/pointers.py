@@ -37,6 +37,12 @@ The row 0 of a pointer is the pointer itself.
 """
 
 
+@kernel
+def read7(q):
+    """Seven figures of a row as a tuple."""
+    return (q[0], q[1], q[2], q[3], q[4], q[5], q[6])
+
+
 def _copy(source: Any, target: Any, count: int) -> None:
     target.reshape(-1)[:count] = source.reshape(-1)[:count]
 

@@ -5,8 +5,6 @@ which the figure is zero or less, the figure, its weight in the secant; one at w
 of them moved last, -1 or 1.
 """
 
-from __future__ import annotations
-
 from srs_ik.kernels.jit import kernel
 
 SETTLED = 1e-13

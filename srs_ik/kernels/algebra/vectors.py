@@ -1,7 +1,5 @@
 """Vectors as tuples of three floats, matrices as tuples of nine in row-major order."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel
@@ -143,8 +141,9 @@ def times(A, B):
 
 
 @kernel
-def swing(a, b, c, cosine, sine):
-    """The vector a + cosine b + sine c, on a circle."""
+def swing(circle, cosine, sine):
+    """The vector a + cosine b + sine c of a circle (a, b, c)."""
+    a, b, c = circle
     return (a[0] + cosine * b[0] + sine * c[0], a[1] + cosine * b[1] + sine * c[1], a[2] + cosine * b[2] + sine * c[2])
 
 
@@ -162,3 +161,17 @@ def times_transposed(A, B):
         A[6] * B[3] + A[7] * B[4] + A[8] * B[5],
         A[6] * B[6] + A[7] * B[7] + A[8] * B[8],
     )
+
+
+@kernel
+def load_pose(S, k):
+    """Rotation and position, or matrix and shift, from place k on."""
+    return load9(S, k), load3(S, k + 9)
+
+
+@kernel
+def store_pose(S, k, R, p):
+    """Write a rotation and a position, or a matrix and a shift, from place k on."""
+    for i in range(9):
+        S[k + i] = R[i]
+    store3(S, k + 9, p)

@@ -1,7 +1,5 @@
 """Answers: a posture, measured on the true chain, with the status that follows, written as a row."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.chain.kinematics import pose_error

@@ -1,14 +1,12 @@
 """First derivatives of the arm angle by the joints, and of the joints by the arm angle while the tip stands still."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
-from srs_ik.kernels.chain.kinematics import joint_lines
+from srs_ik.kernels.algebra.vectors import across, along, cross, dot, load3, norm, rotate, scale, sub
+from srs_ik.kernels.chain.kinematics import joint_lines, point_velocity
 from srs_ik.kernels.chain.newton import ON_LINE, elbow_position, load_system, longest, moved
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
@@ -18,12 +16,6 @@ from srs_ik.kernels.limb.triangle import REFERENCE_SINE, arm_frame, straight_off
 
 FASTEST = 1e9
 """Joint rates above this, rad/rad, belong to a posture at which the arm angle stands still."""
-
-
-@kernel
-def point_velocity(J, joint, point):
-    """Velocity of a point of the base frame when a joint turns; J holds the joint lines (see `joint_lines`)."""
-    return add((J[0, joint], J[1, joint], J[2, joint]), cross((J[3, joint], J[4, joint], J[5, joint]), point))
 
 
 @kernel

@@ -7,14 +7,12 @@ is taken there joint by joint first, which saves steps, but never leads into som
 Where limits leave room to stretch, lengths weigh so little that the rotation is kept (`closer_upright`, `put_upright`).
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, norm, scale, sub, times_transposed
-from srs_ik.kernels.chain.kinematics import joint_lines
+from srs_ik.kernels.algebra.vectors import apply, cross, dot, norm, scale, sub, times_transposed
+from srs_ik.kernels.chain.kinematics import joint_lines, point_velocity
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 
@@ -50,7 +48,7 @@ def surroundings(P, q, target, weight, J):
     x, y, z, position = joint_lines(P, q, J)
     unit = weight / P[FAR]
     for j in range(7):
-        v = add((J[0, j], J[1, j], J[2, j]), cross((J[3, j], J[4, j], J[5, j]), position))
+        v = point_velocity(J, j, position)
         for i in range(3):
             J[i, j] = unit * v[i]
     M = times_transposed((x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]), R)
@@ -186,15 +184,7 @@ def is_closer(P, q, other, target, J):
 
 @kernel
 def closest(P, q, target, J, A):
-    """The configuration inside the limits that is closest to a pose, or q where none is closer.
-
-    Args:
-        P: packed limb.
-        q: a configuration inside the limits.
-        target: the tip pose.
-        J: (6, 7) work space.
-        A: (16, 9) work space.
-    """
+    """The configuration inside the limits that is closest to a pose, or q, which is inside, where none is closer."""
     if is_too_far(P, q, target, J):
         return q
     best, lowest = q, math.inf

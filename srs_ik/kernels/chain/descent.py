@@ -5,19 +5,16 @@ each have to gain something (`descend`) go on where those do not: along limits, 
 curve of configurations turns around in a needle whose sides floats hardly tell apart.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import along, norm, sub
 from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LOWER, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED, cost
-from srs_ik.kernels.limb.poses import read7
 
 NEWTON_STEPS = 12
 SLIDE_STEPS = 30

@@ -1,10 +1,7 @@
 """Eight postures at once: read from rows and written there, measured on the true chain, sorted into branches."""
 
-from __future__ import annotations
-
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
-from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, one_of, root, scatter, where
+from srs_ik.kernels.algebra.lanes import ALL, LANES, as_bits, as_mask, eight_of, gather, one_of, root, scatter, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import dot, sub
 from srs_ik.kernels.chain.kinematics import tip_frame, turn_between

@@ -1,7 +1,5 @@
 """How far the tip is from a pose that leaves a turn free: roll about an axis, a cone around it, or all turns."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import across, along, apply, cross, dot, norm, rotate, scale, sub

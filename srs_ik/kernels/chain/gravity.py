@@ -4,8 +4,6 @@ The figures of an arm, W: 7 masses (kg), 7 first moments mass x centre (kg m) wi
 gravity there (m/s^2), and 7 factors that bring the torques of the joints to one scale.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import add, along, cross, dot, load3, rotate

@@ -1,7 +1,5 @@
 """The true chain: forward kinematics and geometric Jacobian from the joint axes as lines."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.lane_trig import seven_turns
@@ -165,3 +163,20 @@ def joint_lines(P, q, J):
         apply(M, (H[2], H[5], H[8])),
         add(apply(M, load3(P, TIP_POSITION)), shift),
     )
+
+
+@kernel
+def point_velocity(J, joint, point):
+    """Velocity of a point of the base frame when a joint turns; J holds the joint lines (see `joint_lines`)."""
+    return add((J[0, joint], J[1, joint], J[2, joint]), cross((J[3, joint], J[4, joint], J[5, joint]), point))
+
+
+@kernel
+def tip_lines(P, q, J):
+    """`joint_lines` with velocities of the tip point in place of the moments: its Jacobian in base axes."""
+    x, y, z, position = joint_lines(P, q, J)
+    for joint in range(7):
+        v = point_velocity(J, joint, position)
+        for i in range(3):
+            J[i, joint] = v[i]
+    return x, y, z, position

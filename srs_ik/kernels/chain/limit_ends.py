@@ -4,14 +4,11 @@ Newton's method for eight postures of a near limb in step, with the arm angle as
 pose to first order and goes with the arm angle, one way or the other, until the first joint is on a limit.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, where
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, larger, where
 from srs_ik.kernels.chain import newton_eight
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.jit import kernel
@@ -51,18 +48,10 @@ def way_to_limits(P, q, rates, way):
 
 @kernel
 def to_limits(P, q, psi, way, target, steps):
-    """Newton's method from eight postures to the first limits on their way.
+    """Newton's method from eight postures inside the limits, at arm angles, to the first limits on their way.
 
-    Args:
-        P: packed limb.
-        q: seven times eight joint angles to start from, inside the limits.
-        psi: their arm angles.
-        way: direction of the arm angle in which to go, 1.0 or -1.0.
-        target: the pose.
-        steps: largest number of steps.
-
-    Returns:
-        The postures, their arm angles, and as bits which of them meet the pose on a limit.
+    `way` is the direction of the arm angle in which to go, 1.0 or -1.0. Returns the postures, their arm angles, and as
+    bits which of them meet the pose on a limit.
     """
     R, p, place_ = target
     t, h0 = place_[0], place_[1]

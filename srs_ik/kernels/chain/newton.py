@@ -4,18 +4,22 @@ Two forms. At a given arm angle the step is square: six equations of the pose, a
 half-plane. With the arm angle free, the step is the shortest one, damped, and stays inside the limits.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.linear import solve_definite, solve_linear
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
-from srs_ik.kernels.chain.kinematics import half_turn, joint_lines, pose_error, turn_about_line, turn_between
+from srs_ik.kernels.chain.kinematics import (
+    half_turn,
+    joint_lines,
+    pose_error,
+    tip_lines,
+    turn_about_line,
+    turn_between,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, FAR, IS_CLOSED, LOWER, SHOULDER_CENTRE, UPPER
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, arm_frame, straight_offset
 
 CLOSED = 1e-12
@@ -72,12 +76,7 @@ def twist_to(x, y, z, position, R, p):
 @kernel
 def pose_step(P, q, R, p, J):
     """Twist (linear then angular, tip point, base axes) that leads from the tip at q to the pose; fills J for it."""
-    x, y, z, position = joint_lines(P, q, J)
-    for joint in range(7):
-        axis = (J[3, joint], J[4, joint], J[5, joint])
-        v = add((J[0, joint], J[1, joint], J[2, joint]), cross(axis, position))
-        for i in range(3):
-            J[i, joint] = v[i]
+    x, y, z, position = tip_lines(P, q, J)
     return twist_to(x, y, z, position, R, p)
 
 
@@ -163,22 +162,7 @@ def equations_at_angle(P, q, R, p, b, A):
 
 @kernel
 def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
-    """Newton's method for the pose and the arm angle together.
-
-    Args:
-        P: packed limb.
-        q: posture to start from.
-        R: rotation of the wanted tip pose.
-        p: position of the wanted tip pose.
-        t: direction S-W of the pose.
-        h0: zero direction of the arm angle.
-        psi: wanted arm angle.
-        steps: largest number of steps.
-        A: (16, 9) work space.
-
-    Returns:
-        The posture, and whether pose and arm angle are met.
-    """
+    """Newton's method from a posture to the pose and the arm angle together: the posture, and whether both are met."""
     h = along(scale(math.cos(psi), h0), math.sin(psi), cross(t, h0))
     b = cross(t, h)
     checkpoint = least = math.inf
@@ -204,20 +188,9 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
 
 @kernel
 def close_free(P, q, R, p, respect, steps, J, A):
-    """Shortest damped steps towards the pose, the arm angle left free, inside the limits if they are respected.
+    """Shortest damped steps from a posture towards the pose, the arm angle left free, inside the limits if respected.
 
-    Args:
-        P: packed limb.
-        q: posture to start from.
-        R: rotation of the wanted tip pose.
-        p: position of the wanted tip pose.
-        respect: whether to stay inside the joint limits.
-        steps: largest number of steps.
-        J: (6, 7) work space.
-        A: (16, 9) work space.
-
-    Returns:
-        The posture, and the larger of its position (m) and orientation (rad) errors, or those of one a step before.
+    Returns the posture, and the larger of its position (m) and orientation (rad) errors, or those of one a step before.
     """
     error = 0.0
     checkpoint = 1e9

@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turned_by, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, root, where
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, larger, root, where
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, load9, scale, sub, swing
 from srs_ik.kernels.chain.kinematics import first_line, joint_line, turn_between
 from srs_ik.kernels.chain.newton import BOUNCES, CLOSED, LAST_STEP, MAX_STEP, ON_LINE
@@ -237,7 +236,7 @@ def half_planes(t, h0, turn_):
     c, s = turn_
     b0 = cross(t, h0)
     none = (0.0, 0.0, 0.0)
-    return swing(none, h0, b0, c, s), swing(none, b0, h0, c, -s)
+    return swing((none, h0, b0), c, s), swing((none, b0, h0), c, -s)
 
 
 @kernel
@@ -260,17 +259,9 @@ def is_foreseen(size, last, short):
 def close_in_planes(P, q, R, p, planes, until):
     """Newton's method for eight postures, the pose and an arm angle together.
 
-    Args:
-        P: packed limb.
-        q: seven times eight joint angles to start from.
-        R: rotation of the wanted tip pose.
-        p: position of the wanted tip pose.
-        planes: half-planes of the arm angles, from `half_planes`.
-        until: largest number of steps, and how short one need not be taken, rad.
-
-    Returns:
-        The postures, their rates with the arm angle before the last step, and as bits which of them meet pose and arm
-        angle.
+    `planes` are those of `half_planes`, `until` the largest number of steps, and how short one need not be taken, rad.
+    Returns the postures, their rates with the arm angle before the last step, and as bits which of them meet pose and
+    arm angle.
     """
     h, b = planes
     rates = q

@@ -6,20 +6,17 @@ Steps towards a pose halve what is left at best next to one. To the posture itse
 few steps: five equations of the pose, and two that make the form's slope zero.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, store7
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.algebra.vectors import add, along, cross, dot, norm, scale
 from srs_ik.kernels.chain.newton import MAX_STEP, load_square, longest, moved, pose_step, shortest_step
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 
 STEPS = 12
 SETTLED = 1e-8

@@ -3,14 +3,11 @@
 The closed form of the nearest exact limb gives the starts; Newton's method takes all of them to the true chain in step.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import store7, with_joint
-from srs_ik.kernels.algebra.lanes import as_bits, scatter
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, scatter
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.eight import in_own_branch, put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle, pose_step
 from srs_ik.kernels.chain.newton_eight import close_eight
@@ -20,7 +17,6 @@ from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, PHASE, SHIFT, SHOULDER, 
 from srs_ik.kernels.limb.branches import NO_BRANCH, UNSURE, branch_of, elbow_starts, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
 from srs_ik.kernels.limb.in_line import ROUNDED, closest, may_line_up, toward_of
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_branches, farthest_turns, join_parts
 from srs_ik.kernels.limb.surface import split, width_for_curves
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -182,6 +178,6 @@ def put_splits(P, target, J, starts, n):
         q, _, _ = side_posture(P, side, psi, other, other, False, NO_SEED, False)
         q = with_joint(q, first + 1, P[k + PHASE] + end * math.pi)
         for m in range(SPLITS if n + SPLITS <= starts.shape[0] and is_one_line(P, q, target, first, J) else 0):
-            store7(row(starts, n), 0, split(P, q, first, k, 2.0 * math.pi * m / SPLITS))
+            store7(row(starts, n), 0, split(P, k, q, 2.0 * math.pi * m / SPLITS))
             n += 1
     return n

@@ -1,7 +1,5 @@
 """Sets of arm angles: unions of arcs, kept as sorted pieces between -pi and pi that do not touch."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.exact.intervals import write_interval

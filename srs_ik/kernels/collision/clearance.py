@@ -4,8 +4,6 @@ A body that turns about the line S-W moves no farther than its distance from it 
 angles the clearance is known within bounds, and what cannot hold the largest is left out.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.collision.forbidden import distance_of, fixed_clearance

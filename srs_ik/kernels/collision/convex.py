@@ -8,8 +8,6 @@ Source: E. Gilbert, D. Johnson, S. Keerthi, A fast procedure for computing the d
 three-dimensional space, IEEE J. Robotics and Automation 4(2), 1988.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import row

@@ -5,8 +5,6 @@ along the line, come closer than r where cos(psi - phi) > (a^2 + c^2 + d^2 - r^2
 any is told by (a - c)^2 + d^2 alone, the distance of two points of a half-plane.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.collision.arcs import add_all, add_arc, add_complement, is_all

@@ -2,8 +2,8 @@
 
 A body that turns about the line S-W moves no point farther than its distance from the line times the angle, and across
 the line: a plane that lies along the line part of the way is neared by that part of it. Bodies that spin besides move
-by the rates of the joints that turn them. Where bodies are some depth in each other, no motion shorter than that takes
-them apart.
+by the rates of the joints that turn them, which are bounded first. Where bodies are some depth in each other, no motion
+shorter than that takes them apart.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, norm, scale, sub, times
 from srs_ik.kernels.collision.march import ANYWHERE, posture_on
-from srs_ik.kernels.collision.rates import fastest, rate_of, times_rate, turns
 from srs_ik.kernels.collision.seen import frame_at
 from srs_ik.kernels.collision.shapes import (
     between,
@@ -28,15 +27,84 @@ from srs_ik.kernels.collision.shapes import (
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.collision import UPPER
 from srs_ik.kernels.layout.limb import AXES, POINTS
-from srs_ik.kernels.layout.shapes import AROUND, BEFORE, BEHIND, FIRST_SOLID, JOINT, LAST_SOLID, PLACE, SPIN, SPINS
+from srs_ik.kernels.layout.shapes import (
+    AROUND,
+    BEFORE,
+    BEHIND,
+    COSINE,
+    FIRST_SOLID,
+    FIXED,
+    JOINT,
+    LAST_SOLID,
+    PLACE,
+    SINE,
+    SPIN,
+    SPINS,
+    TO_FIRST,
+    TO_LAST,
+)
 from srs_ik.kernels.limb.limits import TURN
+
+
+@kernel
+def angle_between(outer, k, q):
+    """The angle between the outer axes of shoulder (0) or wrist (1) at an angle of the joint between them."""
+    cosine = outer[k, FIXED] + outer[k, COSINE] * math.cos(q) + outer[k, SINE] * math.sin(q)
+    return math.acos(min(max(cosine, -1.0), 1.0))
+
+
+@kernel
+def fastest(outer, k, q, half):
+    """Largest rate of joints 1 and 3 of a spherical joint within half an arm angle, rad/rad; inf for no bound.
+
+    The rates have the triple product of the three axes below them. Its square is a concave function of the cosine of
+    the angle between the outer axes, so the smaller of both ends bounds it; and that angle changes no faster than the
+    arm turns.
+    """
+    angle = angle_between(outer, k, q)
+    if angle - half <= 0.0 or angle + half >= math.pi:
+        return math.inf
+    first, last = outer[k, TO_FIRST], outer[k, TO_LAST]
+    least = math.inf
+    for end in (angle - half, angle + half):
+        c = math.cos(end)
+        least = min(least, 1.0 - first * first - last * last - c * c + 2.0 * first * last * c)
+    return 1.0 / math.sqrt(least) if least > 0.0 else math.inf
+
+
+@kernel
+def middle_rate(outer, k, rate):
+    """The same of the joint between them: 1 where it is square to both."""
+    return 1.0 if outer[k, TO_FIRST] == 0.0 and outer[k, TO_LAST] == 0.0 else rate
+
+
+@kernel
+def rate_of(outer, shoulder, wrist, joint):
+    """Largest rate of a joint, 1 to 7, from those of the outer ones; the elbow stands still."""
+    if joint <= 3:
+        return middle_rate(outer, 0, shoulder) if joint == 2 else shoulder
+    if joint == 4:
+        return 0.0
+    return middle_rate(outer, 1, wrist) if joint == 6 else wrist
+
+
+@kernel
+def turns(joint):
+    """Whether the body of a joint turns with the arm angle."""
+    return 2 <= joint <= 5
+
+
+@kernel
+def times_rate(length, rate):
+    """A length times a rate that may be infinite."""
+    return length * rate if length > 0.0 else 0.0
+
 
 NARROW = 1e-6
 """Rates are bounded within no less than this, rad."""
 
 SOLIDS_APART = 4
 """Slots of `normals` for each solid of the first body."""
-
 
 ABOUT_LINE = 0
 ALONG_CHAIN = 1
@@ -49,29 +117,21 @@ class Question(NamedTuple):
     P: object
     target: object
     shapes: object
-    frames: tuple
-    """How rows are seen from the line S-W."""
+    frames: tuple  # how rows are seen from the line S-W
     space: object
-    pair: tuple
-    """Numbers of the two bodies."""
-    branch: int
-    """Whose postures count; where the arm angle is enough, -1 for the first elbow and -2 for the second."""
+    pair: tuple  # numbers of the two bodies
+    branch: int  # whose postures count; where the arm angle is enough, -1 for the first elbow and -2 for the second
     margin: float
-    mode: int
-    """How they are looked at."""
-    way: tuple
-    """How the first one turns about a line, if it does."""
-    spins: tuple
-    """Spins of it that hit, if nothing else moves it."""
+    mode: int  # how they are looked at
+    way: tuple  # how the first one turns about a line, if it does
+    spins: tuple  # spins of it that hit, if nothing else moves it
 
 
 class Way(NamedTuple):
     """How a body turns about a line against another one."""
 
-    rest: tuple
-    """How it is seen from the line at angle zero: the first coordinate is along it."""
-    there: tuple
-    """How the other one is seen."""
+    rest: tuple  # how it is seen from the line at angle zero: the first coordinate is along it
+    there: tuple  # how the other one is seen
     rate: float
     """Largest distance of its points from the line, m; 0 where it does not turn; negative where solids tell it."""
 
@@ -79,13 +139,10 @@ class Way(NamedTuple):
 class Spins(NamedTuple):
     """Spins of a body that hit."""
 
-    arcs: object
-    """(m, 2) a set of angles."""
+    arcs: object  # (m, 2) a set of angles
     many: int
-    sign: float
-    """The spin is this times the joint's angle."""
-    joint: int
-    """From 0."""
+    sign: float  # the spin is this times the joint's angle
+    joint: int  # from 0
 
 
 @kernel

@@ -6,8 +6,6 @@ apart than that, the step is free. Else it is halved; what is not shown to be fr
 forbidden.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.collision.motion import CLEAR, HIT

@@ -8,8 +8,6 @@ Source: F. Schwarzer, M. Saha, J.-C. Latombe, Adaptive Dynamic Collision Checkin
 Robots in Complex Environments, T-RO 21(3), 2005.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7

@@ -1,7 +1,5 @@
 """How far bodies have moved against each other between three postures of a curve, and whether they stay apart there."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, norm, sub, times

@@ -15,16 +15,11 @@ from srs_ik.kernels.limb.triangle import elbow_at
 class World(NamedTuple):
     """The tables of bodies, and work space for how they are seen."""
 
-    bodies: object
-    """(rows, BODY_ROW), the balls around the groups first."""
-    groups: object
-    """(G, GROUP) integers."""
-    pairs: object
-    """(n, 2) groups that may meet; one that turns is the first."""
-    local: object
-    """(rows, LOCAL_ROW) work space: the rows as they are seen."""
-    ready: object
-    """(G,) integers, work space: for which elbow the rows of a group are seen."""
+    bodies: object  # (rows, BODY_ROW), the balls around the groups first
+    groups: object  # (G, GROUP) integers
+    pairs: object  # (n, 2) groups that may meet; one that turns is the first
+    local: object  # (rows, LOCAL_ROW) work space: the rows as they are seen
+    ready: object  # (G,) integers, work space: for which elbow the rows of a group are seen
 
 
 STILL = 3

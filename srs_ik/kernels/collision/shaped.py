@@ -42,7 +42,6 @@ MOST_LOOKS = 400
 BESIDE = 1e-9
 """What is forbidden is forbidden so far beside it, rad: no end of it counts as free."""
 
-
 UNLOOKED = -1
 """Of spins that have not been looked at."""
 
@@ -50,16 +49,11 @@ UNLOOKED = -1
 class Room(NamedTuple):
     """Work space of a search."""
 
-    arcs: object
-    """(8, MOST_ARCS, 2) sets of arm angles."""
-    waiting: object
-    """(MOST_WAITING, 4) parts of an arc that wait to be looked at."""
-    spins: object
-    """(K, MOST_SPINS, 2) for each pair of bodies, spins of the first at which they meet."""
-    spin_counts: object
-    """(K,) integers, how many pieces these are; negative where that is not known."""
-    rest: object
-    """(R, REST) output: what is left of pairs that are more than their solids."""
+    arcs: object  # (8, MOST_ARCS, 2) sets of arm angles
+    waiting: object  # (MOST_WAITING, 4) parts of an arc that wait to be looked at
+    spins: object  # (K, MOST_SPINS, 2) for each pair of bodies, spins of the first at which they meet
+    spin_counts: object  # (K,) integers, how many pieces these are; negative where that is not known
+    rest: object  # (R, REST) output: what is left of pairs that are more than their solids
 
 
 @kernel

@@ -14,9 +14,10 @@ from srs_ik.kernels.algebra.vectors import (
     apply_transposed,
     dot,
     load3,
-    load9,
+    load_pose,
     norm,
     scale,
+    store_pose,
     sub,
     times,
 )
@@ -36,38 +37,25 @@ UNKNOWN = -1.0
 class Shapes(NamedTuple):
     """The tables of `layout.shapes`, and work space."""
 
-    solids: object
-    """(S, SOLID)."""
-    of_solid: object
-    """(S, OF_SOLID) integers."""
-    points: object
-    """(N, 3)."""
-    bodies: object
-    """(B, SHAPED)."""
-    of_body: object
-    """(B, OF_BODY) integers."""
-    pairs: object
-    """(K, PAIR) integers."""
-    outer: object
-    """(2, OUTER)."""
-    from_line: object
-    """(S,) work space: largest distance of a solid from the line S-W, where it turns about it."""
-    frames: object
-    """(8, 12) work space: where the joints take what they carry, matrix and shift."""
-    normals: object
-    """(NORMALS, 3) work space: planes that were between two bodies."""
+    solids: object  # (S, SOLID)
+    of_solid: object  # (S, OF_SOLID) integers
+    points: object  # (N, 3)
+    bodies: object  # (B, SHAPED)
+    of_body: object  # (B, OF_BODY) integers
+    pairs: object  # (K, PAIR) integers
+    outer: object  # (2, OUTER)
+    from_line: object  # (S,) work space: largest distance of a solid from the line S-W, where it turns about it
+    frames: object  # (8, 12) work space: where the joints take what they carry, matrix and shift
+    normals: object  # (NORMALS, 3) work space: planes that were between two bodies
 
 
 class Along(NamedTuple):
     """What is looked at along a curve: the shapes, and where joints are at both ends of a step."""
 
     shapes: object
-    couple_of: object
-    """(n,) integers: which row of the shapes' pairs belongs to each pair that spheres watch, or -1."""
-    before: object
-    """(8, 12) work space, like `Shapes.frames`, which is for the middle."""
-    behind: object
-    """(8, 12) work space."""
+    couple_of: object  # (n,) integers: which row of the shapes' pairs belongs to each pair that spheres watch, or -1
+    before: object  # (8, 12) work space, like `Shapes.frames`, which is for the middle
+    behind: object  # (8, 12) work space
 
 
 @kernel
@@ -226,28 +214,18 @@ def is_whole(shapes, a, b):
 
 
 @kernel
-def put_frame(frames, joint, M, b):
-    """Write where a joint takes what it carries."""
-    for i in range(9):
-        frames[joint, i] = M[i]
-    for i in range(3):
-        frames[joint, 9 + i] = b[i]
-
-
-@kernel
 def put_frames(P, q, frames):
     """Write where all joints take what they carry at a posture, in the base frame, into frames (8, 12)."""
     turns = seven_turns(q)
-    put_frame(frames, 0, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    store_pose(row(frames, 0), 0, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     _, _, M, b = first_line(P, turns[0])
-    put_frame(frames, 1, M, b)
+    store_pose(row(frames, 1), 0, M, b)
     for joint in range(1, 7):
         _, _, M, b = joint_line(P, joint, turns[joint], M, b)
-        put_frame(frames, joint + 1, M, b)
+        store_pose(row(frames, joint + 1), 0, M, b)
 
 
 @kernel
 def frame_of_joint(frames, joint):
     """What has been written for a joint."""
-    frame = row(frames, joint)
-    return load9(frame, 0), load3(frame, 9)
+    return load_pose(row(frames, joint), 0)

@@ -7,17 +7,42 @@ an ellipse. New axes never add energy: where F(x)/x does not grow, U is a concav
 distance, so that U(|e|), all of it along the first axis, is at most the sum of U over any three axes.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import along, cross, dot, scale
-from srs_ik.kernels.control.turning import grows
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.control import AGAIN, BACK, CONVERGING, FRAME, LAST, LEAVING, MOVED, PEAK, PHASE, SIZE
+from srs_ik.kernels.layout.control import (
+    AGAIN,
+    BACK,
+    CONVERGING,
+    FRAME,
+    LAST,
+    LEAVING,
+    MOVED,
+    PEAK,
+    PHASE,
+    SIZE,
+    SWITCH,
+)
 
 NO_DIRECTION = 1e-12
 """An error (m, rad) or a velocity (m/s, rad/s) that is smaller has no direction that counts."""
+
+
+@kernel
+def grows(port, state, last, size, growth, was_growing):
+    """Whether an error of this size grows, whose size was `last` a tick ago (negative: there was none).
+
+    `growth` is the rate of the size for a target at rest (m/s, rad/s). It tells at once what the size itself tells one
+    period late; for a target that has moved it says nothing.
+    """
+    if last < 0.0:
+        return True
+    if port[SWITCH] >= 0.0 and state[MOVED] == 0.0:
+        return growth >= -port[SWITCH]
+    if size != last:
+        return size > last
+    return was_growing
 
 
 @kernel

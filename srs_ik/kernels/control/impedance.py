@@ -4,14 +4,11 @@ Source: C. Tiseo et al., Bio-mimetic Adaptive Force/Position Control Using Fract
 law B is that of its authors' published program.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import along, dot, load3
-from srs_ik.kernels.control.frame import lay_axes
+from srs_ik.kernels.control.frame import grows, lay_axes
 from srs_ik.kernels.control.profile import energy, force
-from srs_ik.kernels.control.turning import grows
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import control as at
 

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.vectors import add, dot, load3, load9, scale, sub
-from srs_ik.kernels.chain.arm_angle_rates import gradient, point_velocity
+from srs_ik.kernels.chain.arm_angle_rates import gradient
+from srs_ik.kernels.chain.kinematics import point_velocity
 from srs_ik.kernels.chain.newton import arm_angle, elbow_position, twist_to
 from srs_ik.kernels.control.impedance import pull, pull_angle
 from srs_ik.kernels.control.profile import force
@@ -25,14 +26,10 @@ STEEPEST = 20.0
 class Motion(NamedTuple):
     """How the arm moves in a tick."""
 
-    q: Any
-    """Seven joint angles."""
-    v: Any
-    """Seven joint speeds."""
-    frame: Any
-    """Directions x, y and z of the tip, and its point."""
-    J: Any
-    """(6, 7) lines of the joints."""
+    q: Any  # seven joint angles
+    v: Any  # seven joint speeds
+    frame: Any  # directions x, y and z of the tip, and its point
+    J: Any  # (6, 7) lines of the joints
 
 
 @kernel

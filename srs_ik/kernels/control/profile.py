@@ -1,7 +1,5 @@
 """Force profiles: how hard a port pulls at a distance, and the energy that this takes."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

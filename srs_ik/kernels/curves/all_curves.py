@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, short_way, store7
-from srs_ik.kernels.algebra.lanes import eight_of, one_of, scatter
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.lanes import ALL, eight_of, one_of, scatter
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import close_eight
@@ -35,7 +34,6 @@ from srs_ik.kernels.layout.limb import BOTTOM_GAP, FAR, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_midway, put_starts
 
 STARTS = 8

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way, store7, with_joint
 from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, where
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
@@ -31,7 +31,6 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, phase_of, sine_of
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 
 HARDLY_OFF = 2e-3
 """With the elbow farther off the line S-W than this part of the reach, the arm angle changes by less than 1e-9 rad as a

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way
-from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
+from srs_ik.kernels.algebra.lanes import larger, scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, start_crossing, tell_figure

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.lane_trig import turns_of
-from srs_ik.kernels.algebra.lanes import scatter, where
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.lanes import ALL, scatter, where
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
 from srs_ik.kernels.chain.newton_eight import curve_ways, reduced
@@ -27,7 +26,6 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle
-from srs_ik.kernels.limb.poses import read7
 
 HALVINGS = 45
 CROSSING_STEPS = 60

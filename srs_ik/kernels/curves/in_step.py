@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, larger, one_of, whole_number
 from srs_ik.kernels.chain import newton_eight
 from srs_ik.kernels.chain.eight import take_eight, take_ways
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP

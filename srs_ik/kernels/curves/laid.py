@@ -12,13 +12,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.pointers import copy, keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, read7, row
 from srs_ik.kernels.chain.eight import put_eight, take_ways
 from srs_ik.kernels.curves import outreach
 from srs_ik.kernels.curves.follow import reverse
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample, to_curves
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.limb.poses import read7
 
 BESIDE = 0.05
 """Of turns closer to an end of the room than this, rad, the end tells as much."""

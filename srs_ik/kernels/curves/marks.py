@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
-from srs_ik.kernels.algebra.lanes import as_bits, one_of, root, scatter, where
-from srs_ik.kernels.algebra.pointers import copy, keep, row
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, one_of, root, scatter, where
+from srs_ik.kernels.algebra.pointers import copy, keep, read7, row
 from srs_ik.kernels.chain.eight import put_eight, take_eight, take_ways
 from srs_ik.kernels.curves import in_step
 from srs_ik.kernels.curves.follow import ALMOST_CROSSED, go_along, tangent_at, way_across
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.limb.poses import read7
 
 MARK = 17
 MARK_WAY = 7

@@ -12,12 +12,11 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, eight_of, scatter
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, eight_of, scatter
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import along, cross, dot, scale
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import largest, reduced, turned_by_all, with_wrist
@@ -25,7 +24,6 @@ from srs_ik.kernels.chain.starts import almost_straight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, NEAR
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.surface import level_place
 from srs_ik.kernels.limb.triangle import elbow_side

@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
-from srs_ik.kernels.algebra.lanes import as_bits, gather, root, scatter, where
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, root, scatter, where
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
 from srs_ik.kernels.curves.changes import (
     CHANGE,
@@ -49,7 +48,6 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Samples
 from srs_ik.kernels.layout.search import MAX_RUNS
 from srs_ik.kernels.limb.branches import bit_of
-from srs_ik.kernels.limb.poses import read7
 
 SPAN = 6
 """A span: its run, branch, first and last parameter, least and greatest arm angle on it, rad (not wrapped)."""

@@ -7,14 +7,12 @@ Real shapes are those of `layout.shapes`: `solids` (S, SOLID) and `of_solid` (S,
 (B, SHAPED) and `of_body` (B, OF_BODY), `couples` (K, PAIR) and `outer` (2, OUTER).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7
-from srs_ik.kernels.algebra.pointers import row, scratch
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.collision.arcs import angles_of
@@ -30,14 +28,13 @@ from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
-from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import LIMITED, LOWER, UPPER
 from srs_ik.kernels.layout.path import Space
 from srs_ik.kernels.layout.shapes import MOST_SPINS, MOST_WAITING, RANGED, WATCHED
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import place, target_of
+from srs_ik.kernels.limb.triangle import read_target, target_of
 from srs_ik.kernels.pose.any_bend import best_of
 from srs_ik.kernels.pose.solve import best_posture, own_goal
 
@@ -91,12 +88,11 @@ def free_range(
     found = np.empty((MOST_INTERVALS, 3))
     used, i = 0, first
     while i < last and used + MOST_INTERVALS <= rows.shape[0]:
-        R, p, verdicts[i] = read_pose(row(poses, i))
+        target, verdicts[i] = read_target(P, row(poses, i))
         counts[i] = 0
         if verdicts[i] == GOOD_POSE:
-            n, _ = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), respect, found)
+            n, _ = exact_intervals(limits, target_of(row(limits, LIMITED), row(poses, i)), respect, found)
             if n > 0:
-                target = Target(R, p, place(P, R, p))
                 counts[i] = left_of(P, target, found[:n], world, slack, rows[used : used + MOST_INTERVALS])
         used += counts[i]
         i += 1
@@ -233,15 +229,15 @@ def solve_range(
     found, left = np.empty((MOST_INTERVALS, 3)), np.empty((MOST_INTERVALS, 3))
     J, A = scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
-        R, p, verdicts[i] = read_pose(row(poses, i))
+        target, verdicts[i] = read_target(P, row(poses, i))
         out[i, ROW_STATUS] = at.NOTHING_FREE
         if verdicts[i] == GOOD_POSE:
-            goal, target = own_goal(seeds, i, respect), Target(R, p, place(P, R, p))
+            goal = own_goal(seeds, i, respect)
             q, best, lowest = best_posture(family, target, branch, goal, J, A)
             if lowest < OUTSIDE and is_within(limits, limited, q) and is_clear(P, target, q, best, world, slack):
                 measure_row(P, target, q, best, lowest, respect, row(out, i))
                 continue
-            n, _ = exact_intervals(limits, Target(R, p, place(row(limits, LIMITED), R, p)), limited, found)
+            n, _ = exact_intervals(limits, target_of(row(limits, LIMITED), row(poses, i)), limited, found)
             n = left_of(P, target, found[:n], world, slack, left) if n > 0 else 0
             n = keep_branch(left, n, branch) if branch >= 0 else n
             if n > 0:

@@ -1,10 +1,8 @@
 """Entry points: one tick of a torque controller, its force profiles, and a mass on one axis."""
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.gravity import hold
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.chain.newton import elbow_position
@@ -14,7 +12,6 @@ from srs_ik.kernels.control.profile import energy, force
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.control import GRAVITY, LARGEST_SPEED, LINES, MAX_TORQUE, TORQUE, TURNED, WEIGHT
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.limb.poses import read7
 
 LARGEST_ANGLE = 1e6
 

@@ -1,7 +1,5 @@
 """Entry point for the free splits of a pose: the segments of postures that hang at single arm angles."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -14,11 +12,10 @@ from srs_ik.kernels.layout import search
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, is_in_line, may_split, wide_limb
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, is_in_line, may_split, toward_of, wide_limb
 from srs_ik.kernels.limb.limits import violation
-from srs_ik.kernels.limb.poses import read_pose
-from srs_ik.kernels.limb.splits import TURN, split_range
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.splits import TURN, split_range, with_outer
+from srs_ik.kernels.limb.triangle import elbow_side, read_target
 
 IN_LINE = 3e-11
 """Outer axes this close to one line, rad, leave their split free: all postures along it meet the pose within 1e-10."""
@@ -27,14 +24,6 @@ EVERYWHERE = 3e-8
 """Where they are never farther from one line than this, rad, as far as rounding can tell, any arm angle will do."""
 
 MOST_TURNS = 8
-
-
-@kernel
-def with_outer(q, first, q1, q3):
-    """A posture with joints 1 and 3 of the shoulder (first = 0) or of the wrist (4) replaced."""
-    if first == 0:
-        return (q1, q[1], q3, q[3], q[4], q[5], q[6])
-    return (q[0], q[1], q[2], q[3], q1, q[5], q3)
 
 
 @kernel
@@ -70,7 +59,7 @@ def first_turn(P, first, total, toward, respect):
 @kernel
 def write_segments(P, q, k, first, respect, branch, both, psi, everywhere, out, n):
     """Write the segments of a posture whose spherical joint at block k is singular; return the rows in use."""
-    toward = 1.0 if math.cos(q[first + 1] - P[k + at.PHASE]) > 0.0 else -1.0
+    toward = toward_of(P, k, q[first + 1])
     total, turns = first_turn(P, first, toward * q[first] + q[first + 2], toward, respect)
     for i in range(turns):
         whole = total + TURN * i
@@ -98,11 +87,11 @@ def write_segments(P, q, k, first, respect, branch, both, psi, everywhere, out, 
 @entry
 def free_splits(family, T, respect, out):
     """Write the free splits of a pose into the rows of out (n, SPLIT_ROW): their number, or minus the verdict."""
-    R, p, verdict = read_pose(row(T, 0))
+    P = row(family, at.LIMITED)
+    target, verdict = read_target(P, row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    P = row(family, at.LIMITED)
-    place_ = place(P, R, p)
+    place_ = target.place
     if P[at.IS_CLOSED] != 1.0 or abs(place_[5]) >= SOLVED or not may_split(P, place_):
         return 0
     boxes = np.empty((1, at.SIZE))

@@ -1,7 +1,5 @@
 """Entry points: poses that leave a turn free."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import read_freedom
 from srs_ik.kernels.freedom.solve import solve_free

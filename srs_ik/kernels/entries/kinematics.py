@@ -1,19 +1,15 @@
 """Entry points: where the tip and the elbow of configurations are, and how they move with the joints."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import store7
-from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import add, cross
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.arm_angle_rates import gradient, tangent
-from srs_ik.kernels.chain.kinematics import forward_kinematics, joint_lines
+from srs_ik.kernels.chain.kinematics import forward_kinematics, tip_lines
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.branches import branch_of
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist, target_frame
 
 
@@ -34,13 +30,7 @@ def jacobian_range(family, q, first, last, out):
     """Write the Jacobians of the tip point, in base axes, of the same configurations into out (N, 6, 7)."""
     P = row(family, LIMITED)
     for i in range(first, last):
-        J = out[i]
-        p = joint_lines(P, read7(row(q, i)), J)[3]
-        for joint in range(7):
-            moment = (J[0, joint], J[1, joint], J[2, joint])
-            v = add(moment, cross((J[3, joint], J[4, joint], J[5, joint]), p))
-            for k in range(3):
-                J[k, joint] = v[k]
+        tip_lines(P, read7(row(q, i)), out[i])
 
 
 @entry

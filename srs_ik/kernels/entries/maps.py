@@ -1,7 +1,5 @@
 """Entry points of reachability and maps."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED

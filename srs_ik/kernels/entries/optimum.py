@@ -1,11 +1,9 @@
 """Entry points of `optimise`: built-in objectives in one call, and the parts of the search for any other objective."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.ends import is_exact, on_curve
@@ -16,14 +14,13 @@ from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import search as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_STATUS
-from srs_ik.kernels.layout.asked import Runs, Setting, Target
+from srs_ik.kernels.layout.asked import Runs, Setting
 from srs_ik.kernels.layout.limb import FREE, LIMITED
 from srs_ik.kernels.layout.objectives import REFERENCE
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.in_line import may_split
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place, target_of
+from srs_ik.kernels.limb.triangle import elbow_side, read_target, target_of
 from srs_ik.kernels.optimum.objectives import objective, toward_reference
 from srs_ik.kernels.optimum.search import ROUNDING, Objective, capped, close_in, find_brackets, survey_best, value_rows
 from srs_ik.kernels.optimum.split_runs import MOST_ROWS, is_on_surface, put_star, survey_splits
@@ -100,11 +97,10 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
     among the postures which are best by the first one within the tolerance, relative to its best value; `resolution` is
     that of the line searches.
     """
-    R, p, verdict = read_pose(row(T, 0))
+    P = row(family, LIMITED)
+    target, verdict = read_target(P, row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    P = row(family, LIMITED)
-    target = Target(R, p, place(P, R, p))
     by = setting_of(P, target, 0, respect)
     runs = np.empty((at.MOST_RUNS, at.RUN))
     rows, n, k, line = survey(family, by, runs)
@@ -156,11 +152,11 @@ def sample(family, T, respect, runs, rows):
 
     They are written to `rows` (n, SAMPLE) where that holds them all, else nothing is.
     """
-    R, p, verdict = read_pose(row(T, 0))
+    P = row(family, LIMITED)
+    target, verdict = read_target(P, row(T, 0))
     if verdict != GOOD_POSE:
         return 0, 0, verdict
-    P = row(family, LIMITED)
-    found, n, k, _ = survey(family, setting_of(P, Target(R, p, place(P, R, p)), 0, respect), runs)
+    found, n, k, _ = survey(family, setting_of(P, target, 0, respect), runs)
     if n <= rows.shape[0]:
         rows[:n] = found[:n]
     return n, k, GOOD_POSE

@@ -7,14 +7,12 @@ limits, and `start` (k, 7) is the posture before the first one, or none. A path 
 and whether a posture has to stay, `fixed` (n,).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, largest
-from srs_ik.kernels.algebra.pointers import keep, row, scratch
+from srs_ik.kernels.algebra.pointers import keep, read7, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS, clipped, close_free
@@ -26,8 +24,7 @@ from srs_ik.kernels.layout.limb import IS_CLOSED, IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import Aim, Around, Course, Desk, Line, Rules, Sheet, Space, Span
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import place, target_of
+from srs_ik.kernels.limb.triangle import read_target, target_of
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
 from srs_ik.kernels.path.corridor import corridor, course_of, put_on_poses
 from srs_ik.kernels.path.edges import most_of, path_cost, write_steps
@@ -60,18 +57,18 @@ def choose_keys(family, poses, has_known, keys, verdicts):
     """Mark the poses at which a path is planned: the ends, known ones, and one for every `KEY_CHANGE` of the pose."""
     P = row(family, LIMITED)
     n = poses.shape[0]
-    R, p, verdicts[0] = read_pose(row(poses, 0))
+    target, verdicts[0] = read_target(P, row(poses, 0))
     if verdicts[0] != GOOD_POSE:
         return
-    before = place(P, R, p)
+    before = target.place
     keys[0] = True
     keys[n - 1] = True
     last = 0
     for i in range(1, n):
-        R, p, verdicts[i] = read_pose(row(poses, i))
+        target, verdicts[i] = read_target(P, row(poses, i))
         if verdicts[i] != GOOD_POSE:
             return
-        here = place(P, R, p)
+        here = target.place
         if has_known[i]:
             keys[i] = True
         if keys[i] or i - last > FARTHEST_KEY or pose_change(before, here) > KEY_CHANGE:

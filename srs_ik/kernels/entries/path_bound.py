@@ -1,11 +1,9 @@
 """Entry points for what no path through some poses costs less than."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import dot7
-from srs_ik.kernels.algebra.pointers import keep, row, scratch
+from srs_ik.kernels.algebra.pointers import keep, read7, row, scratch
 from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
@@ -13,7 +11,6 @@ from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import Desk, Net, Sheet, Span
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import target_of
 from srs_ik.kernels.path.cells import BOX, GROUP, MOST_CORNERS, SLACK, put_cell, reach_pose
 from srs_ik.kernels.path.cover import cover_pose, cut_cell

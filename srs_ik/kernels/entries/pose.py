@@ -3,21 +3,19 @@
 A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row, scratch
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, MOST_INTERVALS, OK, ROW_STATUS
-from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import set_limits
-from srs_ik.kernels.limb.poses import is_same_pose, read7, read_pose
-from srs_ik.kernels.limb.triangle import place, target_of
+from srs_ik.kernels.limb.poses import is_same_pose, read_pose
+from srs_ik.kernels.limb.triangle import read_target, target_of
 from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.led import lead_row
@@ -102,10 +100,9 @@ def solve_all_range(family, poses, first, last, psis, respect, out, verdicts):
 @entry
 def intervals(family, T, respect, out):
     """Feasible intervals of one pose: number of rows written to `out` (n, 3), or minus the verdict."""
-    R, p, verdict = read_pose(row(T, 0))
+    target, verdict = read_target(row(family, LIMITED), row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    target = Target(R, p, place(row(family, LIMITED), R, p))
     return all_intervals(family, target, respect, scratch(6, 7), scratch(16, 9), out)
 
 
@@ -125,11 +122,10 @@ def intervals_range(family, poses, first, last, respect, rows, counts, verdicts)
     J, A = scratch(6, 7), scratch(16, 9)
     used, i = 0, first
     while i < last and used + MOST_INTERVALS <= rows.shape[0]:
-        R, p, verdicts[i] = read_pose(row(poses, i))
+        target, verdicts[i] = read_target(row(family, LIMITED), row(poses, i))
         counts[i] = 0
         if verdicts[i] == GOOD_POSE:
-            place_ = place(row(family, LIMITED), R, p)
-            counts[i] = all_intervals(family, Target(R, p, place_), respect, J, A, rows[used : used + MOST_INTERVALS])
+            counts[i] = all_intervals(family, target, respect, J, A, rows[used : used + MOST_INTERVALS])
         used += counts[i]
         i += 1
     return i, used
@@ -138,11 +134,10 @@ def intervals_range(family, poses, first, last, respect, rows, counts, verdicts)
 @entry
 def solve_intervals(family, T, respect, out):
     """The best posture of every feasible interval of one pose: number of rows of `out`, or minus the verdict."""
-    R, p, verdict = read_pose(row(T, 0))
+    P = row(family, LIMITED)
+    target, verdict = read_target(P, row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    P = row(family, LIMITED)
-    target = Target(R, p, place(P, R, p))
     found = np.empty((8 * MAX_PIECES, 3))
     if P[IS_NEAR] != 0.0:
         J, A = scratch(6, 7), scratch(16, 9)

@@ -6,8 +6,6 @@ order: a number, or a name in capitals of the entry's file or of `layout`, is th
 wherever it stands in a line. Behind an array, `&` says that the entry writes to it.
 """
 
-from __future__ import annotations
-
 ARGUMENTS = """
 family: float[4, limb.SIZE]
 T: float[4, 4]

@@ -1,7 +1,5 @@
 """Entry points: one period of a tracker."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE

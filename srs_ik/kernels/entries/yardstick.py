@@ -1,7 +1,5 @@
 """What a posture cannot be had without: its transcendental functions, with no work between them."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import entry

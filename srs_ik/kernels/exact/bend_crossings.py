@@ -1,7 +1,5 @@
 """Bends of an elbow as good as flat at which limits cross, begin or end, over all arm angles."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import dot

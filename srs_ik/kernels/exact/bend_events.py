@@ -6,8 +6,6 @@ linear form vanishes. Over all arm angles, there are the bends at which the oute
 into line.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,14 +5,12 @@ and where the outer axes of the shoulder or of the wrist lie along the arm as we
 postures of its own: together they are a surface, on which the joints turn far.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.algebra.pointers import copy, keep, row
+from srs_ik.kernels.algebra.pointers import copy, row, scratch
 from srs_ik.kernels.exact.farthest import farthest, whole_circles
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest_within import height, nearest_within
@@ -144,8 +142,7 @@ def best_of_bends(P, place_, branch, goal, lowest):
     best_q, best, least = NO_SEED, 0, 4.0 * NO_BRANCH
     if upper - lower < WIDE * upper:
         return best_q, best, least
-    boxes = np.empty((1, SIZE))
-    box = row(boxes, 0)
+    box = row(scratch(1, SIZE), 0)
     hope = 0.0
     if goal.seeded:
         distance = height(lowest)
@@ -175,5 +172,4 @@ def best_of_bends(P, place_, branch, goal, lowest):
             tell(S, here)
             if value < least:
                 best_q, best, least = q, found, value
-    keep(boxes)
     return best_q, best, least

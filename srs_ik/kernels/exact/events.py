@@ -1,7 +1,5 @@
 """Arm angles at which a spherical joint reaches a limit, the end of its reach or a singularity: roots of forms."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import short_way

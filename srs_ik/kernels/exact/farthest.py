@@ -5,14 +5,12 @@ and those are known (`intervals`). So any posture tells where all better ones ar
 climbs from posture to posture until nothing is left. Limits moved out instead give the least violating posture.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.algebra.pointers import copy, keep, row
+from srs_ik.kernels.algebra.pointers import copy, row, scratch
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.glance import NEXT_GLANCE, glance
 from srs_ik.kernels.exact.intervals import intervals_of
@@ -231,8 +229,7 @@ def farthest_from(P, place_, sides, given, asked, best):
     """
     branch, respect = asked
     found, left = np.empty((8 * MAX_PIECES, 3)), np.empty((MOST_LEFT, 3))
-    boxes = np.empty((1, SIZE))
-    box = row(boxes, 0)
+    box = row(scratch(1, SIZE), 0)
     n = 0
     for k in range(given.shape[0]):
         if branch < 0 or int(given[k, 0]) == branch:
@@ -252,7 +249,6 @@ def farthest_from(P, place_, sides, given, asked, best):
         n = common_parts(found, intervals_of(box, sides, branch, found), given, left)
         if n == 0:
             break
-    keep(boxes)
     return best
 
 

@@ -5,13 +5,11 @@ upper arm by x / 2, and an outer joint next to its singularity turns far with th
 a flat elbow may be one at another bend.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import copy, keep, row
+from srs_ik.kernels.algebra.pointers import copy, row, scratch
 from srs_ik.kernels.exact.bend_crossings import MOST_CROSSINGS, MOST_CURVES, bends_of_crossings
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bend_in_line, bends_at
 from srs_ik.kernels.exact.bends import bent_place
@@ -21,6 +19,7 @@ from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
+from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import may_split
@@ -274,8 +273,7 @@ def intervals_of_bends(family, place_, respect, out, n):
     found, both = np.empty((8 * MAX_PIECES, 3)), np.empty((16 * MAX_PIECES, 3))
     centres = np.empty(8)
     P = row(family, at.LOOSE + (at.LIMITED if respect else at.FREE))
-    boxes = np.empty((1, at.SIZE))
-    eased = row(boxes, 0)
+    eased = row(scratch(1, SIZE), 0)
     ease(P, eased)
     span = span_of_bends(P, place_)
     bends, curves = np.empty(MOST_CROSSINGS), np.empty((MOST_CURVES, 4))
@@ -296,9 +294,7 @@ def intervals_of_bends(family, place_, respect, out, n):
             if centres[i] + away < span[1]:
                 n = merge(eased, place_, centres[i] + away, found, both, out, n)
     copy(row(out, 0), row(both, 0), 3 * n)
-    n = stretch((P, eased), place_, span, both[:n], out)
-    keep(boxes)
-    return n
+    return stretch((P, eased), place_, span, both[:n], out)
 
 
 @kernel
@@ -317,15 +313,13 @@ def exact_intervals(family, target, respect, out):
         return n, n > 0 or not respect
     if n > 0 or not respect:
         return n, True
-    boxes = np.empty((1, at.SIZE))
-    box = row(boxes, 0)
+    box = row(scratch(1, SIZE), 0)
     tighten(row(family, at.LOOSE), NO_SEED, math.inf, HIDING, box)
     hidden = find_intervals(box, place_, -1, out) > 0
     if hidden:
         # A pose whose postures all lie on limits leaves room by rounding alone.
         ease(row(family, at.LOOSE), box)
         n = find_intervals(box, place_, -1, out)
-    keep(boxes)
     return n, n > 0 or not (hidden or may_split(P, place_))
 
 
@@ -336,10 +330,8 @@ def intervals_around(family, place_, found, out):
     n = write_interval(out, 0, 0, branch, psi, psi)
     if is_almost_flat(place_):
         P = row(family, at.LOOSE)
-        one, boxes = np.empty((1, 3)), np.empty((1, at.SIZE))
-        eased = row(boxes, 0)
+        one, eased = np.empty((1, 3)), row(scratch(1, SIZE), 0)
         ease(P, eased)
         copy(row(out, 0), row(one, 0), 3)
         n = stretch((P, eased), place_, span_of_bends(P, place_), one, out)
-        keep(boxes)
     return n

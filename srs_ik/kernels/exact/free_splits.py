@@ -6,13 +6,11 @@ segment is a stretch of a curve so steep that arm angles cannot tell its posture
 the axes were in line, where the best split is known in closed form, and the posture is then closed on the true chain.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, close_gently
@@ -126,8 +124,7 @@ def with_splits(P, target, wanted, goal, best):
     """
     if not may_split(P, target.place):
         return best
-    boxes = np.empty((1, SIZE))
-    wide = row(boxes, 0)
+    wide = row(scratch(1, SIZE), 0)
     wide_limb(P, wide)
     work = (np.empty((6, 7)), np.empty((16, 9)))
     limbs = (P, wide)
@@ -139,7 +136,6 @@ def with_splits(P, target, wanted, goal, best):
     if along:
         split = best_of_bends(P, target.place, wanted, goal, best[2])
         best = keep_better(P, target, split, wanted, goal, best, work)
-    keep(boxes)
     return best
 
 

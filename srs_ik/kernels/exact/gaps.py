@@ -1,17 +1,14 @@
 """Which solutions of a spherical joint keep the limits between the arm angles at which that may change, in eights."""
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.lane_trig import turn
-from srs_ik.kernels.algebra.lanes import as_bits, eight_of, root, where
-from srs_ik.kernels.algebra.vectors import add, load3, norm, sub, swing
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, eight_of, root, where
+from srs_ik.kernels.algebra.vectors import add, load3, norm, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.limits import LEVEL, TURN, is_inside, turn_to_middle, violation
-from srs_ik.kernels.limb.spherical import angles, eight_middles, middle_anchor, middle_angle, sines
+from srs_ik.kernels.limb.spherical import angles, columns_at, eight_middles, middle_anchor, middle_angle, sines
 from srs_ik.kernels.limb.splits import nearest_split
 
 ROUNDING = 4e-15
@@ -19,7 +16,6 @@ ROUNDING = 4e-15
 
 NARROW = 1e-6
 """A gap narrower than this, rad, is looked at by itself: next to what it lies between, rounding decides."""
-
 
 AT_ITS_END = 2e-14
 CLOSE_TO_END = 1e-13
@@ -74,9 +70,7 @@ def can_be(P, k, v, y, sign):
 @kernel
 def turned_with(motion, psi):
     """The two columns of a spherical joint's rotation that its angles depend on, at an arm angle."""
-    cos_psi, sin_psi = math.cos(psi), math.sin(psi)
-    v0, y0, _ = motion
-    return swing(v0[0], v0[1], v0[2], cos_psi, sin_psi), swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    return columns_at(motion, math.cos(psi), math.sin(psi))
 
 
 @kernel
@@ -137,8 +131,7 @@ def eight_misfits(P, k, v, y, c, s):
 def eight_signs(P, k, motion, psi):
     """`feasible_signs` at eight arm angles: bits of those whose first solution fits, whose second, of unsure ones."""
     cos_psi, sin_psi = turn(psi)
-    v = swing(motion[0][0], motion[0][1], motion[0][2], cos_psi, sin_psi)
-    y = swing(motion[1][0], motion[1][1], motion[1][2], cos_psi, sin_psi)
+    v, y = columns_at(motion, cos_psi, sin_psi)
     c, s, missed = eight_middles(P, k, v)
     first, unsure = eight_misfits(P, k, v, y, c, s)
     second, also = eight_misfits(P, k, v, y, c, -s)

@@ -3,17 +3,13 @@
 This is to tell where to look closely: the free split of a singular joint is not told.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.lane_trig import angle_of
-from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
-from srs_ik.kernels.algebra.vectors import swing
+from srs_ik.kernels.algebra.lanes import eight_of, larger, one_of, where, whole_number
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import A1_A2, A2_A3, FIRST_JOINT, INVERSE_HALF_RANGE, MIDDLE, PHASE, SHOULDER, WRIST
-from srs_ik.kernels.limb.spherical import eight_middles, sines
+from srs_ik.kernels.limb.spherical import columns_at, eight_middles, sines
 
 TURN = 2.0 * math.pi
 
@@ -51,8 +47,7 @@ def eight_angles(P, k, v, y, c, s):
 @kernel
 def eight_halves(P, k, motion, c, s):
     """Costs of both solutions of a spherical joint at eight arm angles, given by cosines and sines."""
-    v = swing(motion[0][0], motion[0][1], motion[0][2], c, s)
-    y = swing(motion[1][0], motion[1][1], motion[1][2], c, s)
+    v, y = columns_at(motion, c, s)
     first = int(P[k + FIRST_JOINT])
     c_middle, s_middle, missed = eight_middles(P, k, v)
     above = eight_angles(P, k, v, y, c_middle, s_middle)

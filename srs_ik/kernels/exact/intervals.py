@@ -6,8 +6,6 @@ for axes in any direction), so the arm angles at which anything can change are k
 decides.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -209,11 +207,9 @@ def find_intervals(P, place_, branch, out):
 def intervals_of(P, sides, branch, out):
     """Write (branch, lower, upper) of every feasible interval of arm angles into the rows of out; return their number.
 
-    Args:
-        P: packed limb; packed without limits where they are not to count (the reach of oblique axes always does).
-        sides: both sides of the elbow at a pose, from `triangle.elbow_side`.
-        branch: the only one that is wanted; -1: all.
-        out: (n, 3) output, branch after branch and sorted; 8 x MAX_PIECES rows always suffice.
+    The limb is packed without limits where they are not to count (the reach of oblique axes always does); `sides` are
+    both of a pose, from `triangle.elbow_side`; branch -1 stands for all. The intervals are sorted, branch after branch;
+    8 x MAX_PIECES rows always suffice.
     """
     events, marks = np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64)
     shoulder, wrist = np.empty((2, MAX_PIECES, 2)), np.empty((2, MAX_PIECES, 2))

@@ -4,8 +4,6 @@ A local search gives a posture at some distance D. A nearer one would have every
 exact intervals for limits tightened to that box hold all that can still be better, which is little or nothing.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate
@@ -14,8 +12,8 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import A1, A2, A3, ACROSS_3, FAR, IS_CLOSED, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture
+from srs_ik.kernels.layout.limb import A1, A2, A3, ACROSS_3, FAR, IS_CLOSED, MISS, PHASE, SHOULDER, WRIST
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture, singular_sines
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -139,10 +137,7 @@ def is_alone(P, seed, lowest):
     distance = math.sqrt(lowest)
     if 4.0 * math.sqrt(3.0) * distance > VALLEY:
         return False
-    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
-    s4 = abs(math.sin(seed[3] - P[STRAIGHT]))
-    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
-    return min(s2, s4, s6) > distance + between_limbs(P)
+    return min(singular_sines(P, seed)) > distance + between_limbs(P)
 
 
 @kernel
@@ -197,9 +192,7 @@ def look_across(P, target, found, minimum, goal, J, A):
     q, best, lowest = found
     seed = goal.seed
     reach = math.sqrt(lowest) + between_limbs(P)
-    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
-    s4 = abs(math.sin(seed[3] - P[STRAIGHT]))
-    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    s2, s4, s6 = singular_sines(P, seed)
     sure = minimum
     for sides in range(8):
         across_2, across_4, across_6 = sides & 1, sides & 2, sides & 4

@@ -5,8 +5,6 @@ the seed than the distances of the two, less that way, allow. So most of an inte
 that could be nearer is passed over, however fast the joints turn next to a singularity.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

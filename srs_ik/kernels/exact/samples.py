@@ -1,7 +1,5 @@
 """Arm angles at which an interval is looked at first: evenly spaced, and more where the joints move fast or jump."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate

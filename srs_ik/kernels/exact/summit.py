@@ -5,19 +5,17 @@ each goes on as it does (Newton's method on their difference), or to where the r
 five steps leave rounding. Between limits that cannot be kept, the way leads to the least violation.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import cross, dot, load3, rotate, scale, swing
+from srs_ik.kernels.algebra.vectors import cross, dot, load3, rotate, scale
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import search as at
 from srs_ik.kernels.layout.limb import A1, A2, FIRST_JOINT, INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, anchor
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle
-from srs_ik.kernels.limb.spherical import angles, middle_angle
+from srs_ik.kernels.limb.spherical import angles, columns_at, middle_angle
 
 MOST_STEPS = 60
 """Steps to a summit, at most."""
@@ -62,8 +60,7 @@ def put_half(P, k, turning, turn, sign, outside, point):
     """
     motion, axis = turning
     first = int(P[k + FIRST_JOINT])
-    v = swing(motion[0][0], motion[0][1], motion[0][2], turn[0], turn[1])
-    y = swing(motion[1][0], motion[1][1], motion[1][2], turn[0], turn[1])
+    v, y = columns_at(motion, turn[0], turn[1])
     c, s, reached = middle_angle(P, k, v)
     q = angles(P, k, v, y, c, s, sign, anchor(first, False, NO_SEED, True))
     a1 = load3(P, k + A1)

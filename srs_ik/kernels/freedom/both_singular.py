@@ -65,7 +65,7 @@ def singular_shoulder(P, pose, given):
 def at_angle(motion, turn):
     """What a spherical joint has to make at an arm angle."""
     v, y, _ = motion
-    return swing(v[0], v[1], v[2], turn[0], turn[1]), swing(y[0], y[1], y[2], turn[0], turn[1])
+    return swing(v, turn[0], turn[1]), swing(y, turn[0], turn[1])
 
 
 @kernel

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import larger
 from srs_ik.kernels.algebra.lane_trig import TINY, turn
-from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, root, scatter, where, whole_number
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, larger, root, scatter, where, whole_number
 from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
 from srs_ik.kernels.exact.glance import eight_angles
 from srs_ik.kernels.jit import kernel
@@ -105,7 +104,7 @@ def write_halves(P, k, circles, sought, table):
     for i in range(0, ARM_ANGLES, LANES):
         steps = float(i) + eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
         c, s = turn(sought.shift + steps * (TURN / ARM_ANGLES))
-        v, y = swing(v0[0], v0[1], v0[2], c, s), swing(y0[0], y0[1], y0[2], c, s)
+        v, y = swing(v0, c, s), swing(y0, c, s)
         c, s, reached = middle_eight(P, k, v)
         q = eight_angles(P, k, v, y, c, s)
         if loose:

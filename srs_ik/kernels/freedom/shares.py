@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.freedom import system
 from srs_ik.kernels.freedom.elimination import BASIC_ROW, INVERSE, RHS
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
-from srs_ik.kernels.limb.poses import read7
 
 ROUNDS = 24
 """Most changes of the joints that have the largest share, in a step."""

@@ -14,7 +14,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, gather, scatter
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import apply, cross, load3, load9, norm, rotation, sub, times
 from srs_ik.kernels.chain.starts import bent_place
 from srs_ik.kernels.freedom.both_singular import add_both_singular
@@ -53,7 +53,6 @@ from srs_ik.kernels.layout.limb import (
 )
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
 from srs_ik.kernels.limb.limits import violation
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
 OUT_OF_REACH = 0.1

@@ -9,10 +9,9 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.lanes import LANES, as_mask, eight_of, gather, scatter, where
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.freedom.elimination import BASIC_ROW, GIVES, INVERSE, RHS, ROOM_ROW, solve_equations
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.limb.poses import read7
 
 STEP_ROW, REST_ROW, WAYS = 8, 9, 10
 """Rows of work space: a step that meets the equations, what is left of the slope there, and up to four ways along the

@@ -1,7 +1,5 @@
 """Answers: the row of a posture, its status, the verdict on a pose, and how many intervals a pose may have."""
 
-from __future__ import annotations
-
 # A solution row, the output of the solving kernels.
 ROW_Q = 0  # 7
 ROW_POSITION_ERROR = 7
@@ -17,7 +15,6 @@ ROW_COST = ROW_POSITION_ERROR  # of q, in the row of a branch until its errors a
 OK = 0.0
 UNREACHABLE = 1.0
 OUT_OF_LIMITS = 2.0
-
 
 SOLVED = 1e-9
 """A posture is a solution if position (m) and orientation (rad) errors on the true chain are below this."""

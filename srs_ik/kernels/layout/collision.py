@@ -4,8 +4,6 @@ All rows are in the base frame, at the zero configuration of the arm. The first 
 groups; the rows of the groups follow.
 """
 
-from __future__ import annotations
-
 # A row of bodies: a sphere, or a plane whose normal points out of a solid.
 CENTRE = 0  # 3
 RADIUS = 3

@@ -1,7 +1,5 @@
 """Columns of the arrays of a torque controller: one row a port, one row of memory beside it, and the work of a tick."""
 
-from __future__ import annotations
-
 # What a port holds.
 KIND = 0  # one of the kinds below
 JOINT = 1  # 0 to 6, of a joint limit

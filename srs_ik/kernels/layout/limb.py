@@ -4,8 +4,6 @@
 because the same functions solve both.
 """
 
-from __future__ import annotations
-
 # The true chain: seven lines and the tip at zero.
 AXES = 0  # 7 x 3 unit directions
 POINTS = 21  # 7 x 3 points on the axes

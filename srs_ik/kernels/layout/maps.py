@@ -1,7 +1,5 @@
 """A cell of a map: the row of its measures, and what is asked of it."""
 
-from __future__ import annotations
-
 CELL_BRANCHES = 0  # bit b is set where branch b has a feasible arm angle
 CELL_PIECES = 1  # feasible intervals of arm angles, all branches together
 CELL_WIDTH = 2  # sum of their widths, rad

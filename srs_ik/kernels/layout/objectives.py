@@ -1,7 +1,5 @@
 """Objectives that are kernels: their numbers, and their parameters."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.layout.weights import WEIGHTS
 
 RATIO = 0  # (f'JpJp'f) / (v'JpJp'v)

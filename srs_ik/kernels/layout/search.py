@@ -1,7 +1,5 @@
 """A search for the best posture: the state of a search for a minimum, samples in runs, brackets, and the answer."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.layout.answer import MAX_PIECES
 
 # The state of `minimum`.

@@ -3,8 +3,6 @@
 Solids are in the base frame, at the zero configuration of the arm, like the spheres of `layout.collision`.
 """
 
-from __future__ import annotations
-
 # A solid: a ball around it, and what it is. Points are the corners of their convex hull, grown by a radius all around;
 # a cylinder has an axis from its centre, half a length and a radius. A half-space lies behind a point, seen along an
 # axis that points out of it; it stands still, and is the second of its pairs.

@@ -1,7 +1,5 @@
 """Tasks: what they give, what kernels know of a hand, the row of a posture and that of a solution."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.layout.answer import ROW
 
 # A task row: position, then directions of unit length; those not given are zero.

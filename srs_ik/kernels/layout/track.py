@@ -1,7 +1,5 @@
 """Layout of a tracker: its state from one update to the next, its settings, and what an update says."""
 
-from __future__ import annotations
-
 # The state.
 Q = 0  # 7, joint angles
 V = 7  # 7, their velocities in the step that led there

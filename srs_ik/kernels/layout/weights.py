@@ -1,7 +1,5 @@
 """What kernels know of the masses of an arm."""
 
-from __future__ import annotations
-
 MASSES = 0  # 7
 MOMENTS = 7  # 7 x 3
 GRAVITY = 28  # 3

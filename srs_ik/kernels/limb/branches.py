@@ -4,19 +4,16 @@ A branch is numbered 4 e + 2 s + w: e = 0 where q4 - STRAIGHT is positive, s = 0
 their phase. Two elbow angles give two rotations of the arm; each has two shoulder and two wrist solutions.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import copy
-from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.limb import A1_A2, A2_A3, LOWER, PHASE, SHIFT, SHOULDER, SIZE, STRAIGHT, UPPER, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED, elbow_part, join, part
 from srs_ik.kernels.limb.limits import TURN, set_joint_limits, set_limit
 from srs_ik.kernels.limb.postures_eight import farthest_branch
-from srs_ik.kernels.limb.spherical import angles, middle_angle, mirrored
+from srs_ik.kernels.limb.spherical import angles, columns_at, middle_angle, mirrored
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
 
 NO_BRANCH = 1e12
@@ -59,6 +56,12 @@ def bit_of(middle):
 def sine_of(P, q, middle):
     """How far a middle angle is from singular: its branch's bit is 0 where this is zero or more."""
     return math.sin(q[1 + 2 * middle] - phase_of(P, middle))
+
+
+@kernel
+def singular_sines(P, q):
+    """How far shoulder, elbow and wrist are from singular, each as the sine of its middle angle."""
+    return abs(sine_of(P, q, 0)), abs(sine_of(P, q, 1)), abs(sine_of(P, q, 2))
 
 
 @kernel
@@ -114,11 +117,8 @@ def is_unsure(P, q):
     Shoulder and wrist may be singular within the shift between the limb and its nearest exact one, which a straight
     elbow makes larger; the elbow's own bend depends on the square root of it.
     """
-    s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
-    s4 = abs(math.sin(q[3] - P[STRAIGHT]))
-    s6 = abs(math.sin(q[5] - P[WRIST + PHASE]))
-    unsure = UNSURE * P[SHIFT]
-    return s4 * min(s2, s4, s6) < unsure
+    s2, s4, s6 = singular_sines(P, q)
+    return s4 * min(s2, s4, s6) < UNSURE * P[SHIFT]
 
 
 @kernel
@@ -160,9 +160,7 @@ def better_half(P, k, first, v, y, wanted, seeded, seed, respect):
 @kernel
 def best_half(P, k, first, motion, cos_psi, sin_psi, wanted, seeded, seed, respect):
     """`better_half` on the circles of a motion at an arm angle."""
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
-    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    v, y = columns_at(motion, cos_psi, sin_psi)
     return better_half(P, k, first, v, y, wanted, seeded, seed, respect)
 
 

@@ -5,8 +5,6 @@ shoulder and the best wrist solution can be chosen each for itself. A cost is lo
 limits costs more than any part inside.
 """
 
-from __future__ import annotations
-
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.limits import margin, turn_to_middle, turn_to_seed, violation
 

@@ -1,7 +1,5 @@
 """Where the outer axes of a shoulder or a wrist come into line, so that a pose fixes only a sum of their joints."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import copy

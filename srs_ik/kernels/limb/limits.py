@@ -1,7 +1,5 @@
 """Joint limits: how they are packed, the turn of an angle that fits them, and how well it fits."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import copy

@@ -1,7 +1,5 @@
 """Poses and postures as they come in: checked, and brought to tuples."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel
@@ -53,12 +51,6 @@ def read_pose(T):
         R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) + R[2] * (R[3] * R[7] - R[4] * R[6])
     )
     return R, p, (GOOD_POSE if determinant > 0.0 else NOT_RIGID)
-
-
-@kernel
-def read7(q):
-    """Seven figures of an array as a tuple."""
-    return (q[0], q[1], q[2], q[3], q[4], q[5], q[6])
 
 
 @kernel

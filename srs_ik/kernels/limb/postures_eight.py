@@ -4,13 +4,21 @@ The equations are those of `spherical`; where a shoulder or a wrist is singular 
 as unsure.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.eight import ALL, choose, larger, smaller
 from srs_ik.kernels.algebra.lane_trig import angle_of
-from srs_ik.kernels.algebra.lanes import as_bits, as_mask, eight_of, one_of, where, whole_number
+from srs_ik.kernels.algebra.lanes import (
+    ALL,
+    as_bits,
+    as_mask,
+    choose,
+    eight_of,
+    larger,
+    one_of,
+    smaller,
+    where,
+    whole_number,
+)
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
@@ -41,7 +49,7 @@ BELOW_LANES = 0b10101010
 def swung(below, circles, c, s):
     """Eight vectors on circles of either side of the elbow, at arm angles given as cosines and sines."""
     a, b = circles
-    return swing(choose(below, b[0], a[0]), choose(below, b[1], a[1]), choose(below, b[2], a[2]), c, s)
+    return swing((choose(below, b[0], a[0]), choose(below, b[1], a[1]), choose(below, b[2], a[2])), c, s)
 
 
 @kernel

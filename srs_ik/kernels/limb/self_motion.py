@@ -1,7 +1,5 @@
 """Self-motion: how the joints move when the arm angle changes and the tip stands still."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, rotate, scale

@@ -10,12 +10,17 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from srs_ik.kernels.algebra.eight import choose
-from srs_ik.kernels.algebra.lanes import root, where
-from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub
+from srs_ik.kernels.algebra.lanes import choose, root, where
+from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.splits import nearest_split, rest_of, widest_split
+
+
+@kernel
+def columns_at(motion, c, s):
+    """R a3 and R ACROSS_3 on the circles of a spherical joint's motion, at one arm angle or at eight."""
+    return swing(motion[0], c, s), swing(motion[1], c, s)
 
 
 @kernel

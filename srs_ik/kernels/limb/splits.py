@@ -4,14 +4,20 @@ There the rotation fixes toward q1 + q3 alone, but for whole turns: toward is 1.
 -1.0 for opposite ones. The splits inside the limits are segments, one for each turn of the sum.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import ANCHOR_1, ANCHOR_3, INVERSE_HALF_RANGE, LOWER, SHARE_1, SLACK_LIMIT, UPPER
 
 TURN = 2.0 * math.pi
+
+
+@kernel
+def with_outer(q, first, q1, q3):
+    """A posture with joints 1 and 3 of the shoulder (first = 0) or of the wrist (4) replaced."""
+    if first == 0:
+        return (q1, q[1], q3, q[3], q[4], q[5], q[6])
+    return (q[0], q[1], q[2], q[3], q1, q[5], q3)
 
 
 @kernel

@@ -4,20 +4,18 @@ They make up a surface where two of shoulder, elbow and wrist are singular at on
 the true chain lie next to it, but connect in ways of their own.
 """
 
-from __future__ import annotations
-
 import math
 
-import numpy as np
-
 from srs_ik.kernels.algebra.joint_vectors import short_way, store7
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb
 from srs_ik.kernels.layout.asked import Goal
+from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.limb.branches import side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.in_line import ROUNDED, closest, may_line_up, toward_of, wide_limb
+from srs_ik.kernels.limb.splits import with_outer
 from srs_ik.kernels.limb.triangle import elbow_side
 
 MOST_MISS = 1e-3
@@ -75,12 +73,10 @@ def is_free(P, k, q2, width):
 
 
 @kernel
-def split(P, q, first, k, turn):
-    """A posture with another split of the sum of joints 1 and 3 of a spherical joint."""
-    q1, q3 = q[first] + turn, q[first + 2] - toward_of(P, k, q[first + 1]) * turn
-    if first == 0:
-        return (q1, q[1], q3, q[3], q[4], q[5], q[6])
-    return (q[0], q[1], q[2], q[3], q1, q[5], q3)
+def split(P, k, q, turn):
+    """A posture with joint 1 of the spherical joint at block k turned, and joint 3 so that their sum stays."""
+    first = 0 if k == limb.SHOULDER else 4
+    return with_outer(q, first, q[first] + turn, q[first + 2] - toward_of(P, k, q[first + 1]) * turn)
 
 
 @kernel
@@ -299,9 +295,9 @@ def posture_on(limbs, place_, part, i, goal):
     if i == 0 or (i < FIRST and everywhere):
         return q
     if part[PART_SHOULDER] == 1.0:
-        q = split(P, q, 0, limb.SHOULDER, 2.0 * math.pi * ((0.6710436067 * i) % 1.0))
+        q = split(P, limb.SHOULDER, q, 2.0 * math.pi * ((0.6710436067 * i) % 1.0))
     if part[PART_WRIST] == 1.0:
-        q = split(P, q, 4, limb.WRIST, 2.0 * math.pi * ((0.5497004779 * i) % 1.0))
+        q = split(P, limb.WRIST, q, 2.0 * math.pi * ((0.5497004779 * i) % 1.0))
     return q
 
 
@@ -311,12 +307,10 @@ def has_surface(P, place_):
     widths = same_widths(P, place_, width_for_curves(P))
     if not may_have_surface(P, place_, widths):
         return False
-    boxes, parts = np.empty((1, limb.SIZE)), np.empty((MOST_PARTS, PART))
+    wide, parts = row(scratch(1, SIZE), 0), scratch(MOST_PARTS, PART)
     most = 0
-    for i in range(find_parts(P, row(boxes, 0), place_, widths, parts)):
+    for i in range(find_parts(P, wide, place_, widths, parts)):
         most = max(most, ways_of(row(parts, i)))
-    keep(boxes)
-    keep(parts)
     return most > 1
 
 
@@ -347,8 +341,7 @@ def put_starts(P, place_, ends, starts, n):
     if place_[3] <= widths[0]:
         # The flat elbow stands for the bent one, too.
         ends = EVERY_SPLIT
-    boxes, parts = np.empty((1, limb.SIZE)), np.empty((MOST_PARTS, PART))
-    wide = row(boxes, 0)
+    wide, parts = row(scratch(1, SIZE), 0), scratch(MOST_PARTS, PART)
     goal = Goal(False, NO_SEED, False)
     for k in range(find_parts(P, wide, place_, widths, parts)):
         part = row(parts, k)
@@ -357,6 +350,4 @@ def put_starts(P, place_, ends, starts, n):
                 q = posture_on((P, wide), place_, part, i, goal)
                 store7(row(starts, n), 0, q)
                 n += 1
-    keep(boxes)
-    keep(parts)
     return n

@@ -1,7 +1,5 @@
 """The triangle shoulder-elbow-wrist: from a tip pose to the elbow angle, from the arm angle to the arm's rotation."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import (
@@ -82,10 +80,16 @@ def elbow_bend(P, d):
 
 
 @kernel
+def read_target(P, T):
+    """A pose with what all its configurations share, which says nothing of what is no pose, and the verdict on it."""
+    R, p, verdict = read_pose(T)
+    return Target(R, p, place(P, R, p)), verdict
+
+
+@kernel
 def target_of(P, T):
     """A pose that is known to be a good one, with what all its configurations share."""
-    R, p, _ = read_pose(T)
-    return Target(R, p, place(P, R, p))
+    return read_target(P, T)[0]
 
 
 @kernel

@@ -5,8 +5,6 @@ interval of arm angles, and joint 1 runs from a lowest to a highest angle there,
 (lower limit - highest angle) to (upper limit - lowest angle). The union over all intervals is the answer.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

@@ -1,7 +1,5 @@
 """What a map tells of a pose: its branches, the width and number of its intervals, its margin and its arcs of yaw."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -15,8 +13,7 @@ from srs_ik.kernels.layout import maps as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE
 from srs_ik.kernels.limb.goal import OUTSIDE
-from srs_ik.kernels.limb.poses import read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.triangle import elbow_side, read_target
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
 from srs_ik.kernels.maps.first_joint import ahead, first_range, singular_angle, split_angles, turning_points
 from srs_ik.kernels.maps.reach import room
@@ -123,12 +120,10 @@ def write_cell(family, place_, limits, asked, space, out):
 def margin_of_poses(family, poses, first, last, out):
     """Write the largest margin to the limits of poses first to last - 1 of (N, 4, 4) into out (N,), 0 where none is."""
     for i in range(first, last):
-        R, p, verdict = read_pose(row(poses, i))
+        target, verdict = read_target(row(family, LIMITED), row(poses, i))
+        place_ = target.place
         out[i] = 0.0
-        if verdict != GOOD_POSE:
-            continue
-        place_ = place(row(family, LIMITED), R, p)
-        if abs(place_[5]) >= SOLVED:
+        if verdict != GOOD_POSE or abs(place_[5]) >= SOLVED:
             continue
         _, _, cost = farthest_of_all(row(family, LIMITED), row(family, LIMITED), place_, -1, True)
         if cost >= OUTSIDE:
@@ -142,8 +137,8 @@ def measure_poses(family, poses, first, last, limits, asked, out):
     """`write_cell` of poses first to last - 1 of (N, 4, 4) into rows of out."""
     space = room(family)
     for i in range(first, last):
-        R, p, verdict = read_pose(row(poses, i))
+        target, verdict = read_target(row(family, LIMITED), row(poses, i))
         if verdict == GOOD_POSE:
-            write_cell(family, place(row(family, LIMITED), R, p), limits, asked, space, row(out, i))
+            write_cell(family, target.place, limits, asked, space, row(out, i))
         else:
             clear(asked[0], row(out, i))

@@ -5,8 +5,6 @@ it. Joint 1 turns where two arm angles for one q1 become one: where that linear 
 angle touches its value. With perpendicular axes this is a quadratic form in cosine and sine of q1: two directions.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import across, cross, dot, load3, rotate, swing
@@ -44,7 +42,7 @@ def direction(P, motion, psi, sign):
     """A figure with the sign of d(q1)/d(arm angle): positive where joint 1 grows."""
     v0, _, _ = motion
     c, s = math.cos(psi), math.sin(psi)
-    v = swing(v0[0], v0[1], v0[2], c, s)
+    v = swing(v0, c, s)
     dv = (v0[2][0] * c - v0[1][0] * s, v0[2][1] * c - v0[1][1] * s, v0[2][2] * c - v0[1][2] * s)
     _, b = first_angle(P, motion, psi, sign)
     return dot(b, dv) * dot(b, cross(load3(P, SHOULDER + A1), v))

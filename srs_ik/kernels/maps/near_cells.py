@@ -4,8 +4,6 @@ Arcs of yaw follow from the angle of joint 1 at arm angles all along an interval
 smallest: there is no closed form for where it turns.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 
@@ -17,11 +15,10 @@ from srs_ik.kernels.exact.events import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
-from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
-from srs_ik.kernels.limb.poses import read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.triangle import elbow_side, read_target
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
 from srs_ik.kernels.maps.cells import clear, write_measures
 from srs_ik.kernels.maps.reach import any_overlap, is_bent_right, is_met_at, room
@@ -44,7 +41,6 @@ ROUNDING = 1e-9
 """Of the reach."""
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-
 
 PROBED = 8
 """Arm angles, evenly spaced, that are tried before the intervals are looked for."""
@@ -277,11 +273,8 @@ def reach_near_poses(family, poses, first, last, J, A, out):
     space = near_room(family, J, A)
     for i in range(first, last):
         T = row(poses, i)
-        R, p, verdict = read_pose(T)
-        if verdict != GOOD_POSE:
-            out[i] = -verdict
-        else:
-            out[i] = reach_near(family, Posed(T, Target(R, p, place(row(family, at.LIMITED), R, p))), space)
+        target, verdict = read_target(row(family, at.LIMITED), T)
+        out[i] = -verdict if verdict != GOOD_POSE else reach_near(family, Posed(T, target), space)
 
 
 @kernel
@@ -289,9 +282,8 @@ def measure_near_poses(family, poses, first, last, limits, most, space, out):
     """`cells.measure_poses` of a near limb, without margins."""
     for i in range(first, last):
         T = row(poses, i)
-        R, p, verdict = read_pose(T)
+        target, verdict = read_target(row(family, at.LIMITED), T)
         if verdict == GOOD_POSE:
-            pose = Posed(T, Target(R, p, place(row(family, at.LIMITED), R, p)))
-            write_cell_near(family, pose, limits, most, space, row(out, i))
+            write_cell_near(family, Posed(T, target), limits, most, space, row(out, i))
         else:
             clear(most, row(out, i))

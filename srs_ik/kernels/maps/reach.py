@@ -4,8 +4,6 @@ Most poses that are reached show it at one of a few arm angles. Those that are n
 feasible arm angles of shoulder and wrist: whether any of one joint is one of the other.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 
@@ -103,11 +101,11 @@ def may_be_met(P, place_, side, elbow):
 def fits_at(P, k, motion, cosine, sine):
     """Whether a solution of a spherical joint keeps the limits at an arm angle."""
     v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], cosine, sine)
+    v = swing(v0, cosine, sine)
     c, s, reached = middle_angle(P, k, v)
     if not reached:
         return False
-    y = swing(y0[0], y0[1], y0[2], cosine, sine)
+    y = swing(y0, cosine, sine)
     return fits(P, k, v, y, c, s, 0) or fits(P, k, v, y, c, s, 1)
 
 

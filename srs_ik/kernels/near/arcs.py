@@ -13,7 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.eight import take_eight
 from srs_ik.kernels.chain.newton_eight import curve_ways, reduced
@@ -26,7 +26,6 @@ from srs_ik.kernels.exact.intervals import SAME
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs
 from srs_ik.kernels.layout.limb import A1, BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.band import WIDER, nearness
 from srs_ik.kernels.near.scan import POINT, POINT_BRANCH, POINT_PSI, put_points
 

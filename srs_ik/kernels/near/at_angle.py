@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
 from srs_ik.kernels.curves.lowest import cost_of_turn
@@ -22,7 +22,6 @@ from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, IS_NEAR, MISS, NEAR, SHI
 from srs_ik.kernels.limb.branches import NO_BRANCH, UNSURE, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near import band, on_curves
 from srs_ik.kernels.near.branch_search import search_branch

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import difference
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
-from srs_ik.kernels.algebra.lanes import eight_of
+from srs_ik.kernels.algebra.lanes import ALL, eight_of
 from srs_ik.kernels.algebra.pointers import copy
 from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.eight import highest

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL
-from srs_ik.kernels.algebra.lanes import one_of
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.lanes import ALL, one_of
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.eight import put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import CLOSED, close_at_angle
 from srs_ik.kernels.chain.newton_eight import close_eight
@@ -22,7 +21,6 @@ from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
-from srs_ik.kernels.limb.poses import read7
 
 NEAR = 15.0
 """A middle angle is next to a singularity if its sine is below so many times what axes miss, a part of the reach."""

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import store7
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
-from srs_ik.kernels.algebra.pointers import copy, keep, row
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, one_of, scatter
+from srs_ik.kernels.algebra.pointers import copy, keep, read7, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
@@ -15,7 +14,6 @@ from srs_ik.kernels.curves.ends import beyond_any_of_eight, beyond_limits
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.goal import NO_SEED, turned
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.scan import (
     POINT_NEXT,
     POINT_OFF,

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import ON_LINE, STEPS, close_at_angle, elbow_across, moved
@@ -39,7 +39,6 @@ from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, turned
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_around, put_ends_of_arcs

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
-from srs_ik.kernels.algebra.lanes import eight_of
+from srs_ik.kernels.algebra.lanes import ALL, eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import STEPS, arm_angle

@@ -6,11 +6,10 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
-from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, where, whole_number
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, larger, scatter, where, whole_number
+from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.newton_eight import PROBED, close_in_planes, half_planes
@@ -20,7 +19,6 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
 from srs_ik.kernels.limb.limits import PER_TURN, turn_to_middle
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import ALMOST_NOTHING, band_with, least_bend, widest

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import copy, keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, read7, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.descent import THOROUGH, descend
@@ -21,7 +21,6 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, draw
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_starts
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.branch_search import close_starts, put_start

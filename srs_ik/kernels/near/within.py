@@ -9,11 +9,10 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.exact.summit import downhill
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near import scan
 
 GAIN = 1e-12

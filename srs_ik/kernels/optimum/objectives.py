@@ -5,28 +5,29 @@ unit force direction in places 0 to 2 and the unit velocity direction in 3 to 5,
 or a posture in 0 to 6; behind them lie the weights of the arm.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.vectors import add, cross
-from srs_ik.kernels.chain.kinematics import joint_lines
+from srs_ik.kernels.algebra.pointers import read7
+from srs_ik.kernels.chain.gravity import hold
+from srs_ik.kernels.chain.kinematics import tip_lines
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import objectives as at
+from srs_ik.kernels.layout.weights import SCALES
 from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
-from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.optimum.gravity import squared_torque
+
+TORQUE = 5
+"""Row of the work space that takes the torques, behind those of `hold`."""
 
 
 @kernel
-def tip_jacobian(P, q, J):
-    """Write the Jacobian of the tip point in base axes into J (6, 7), linear rows first."""
-    _, _, _, position = joint_lines(P, q, J)
+def squared_torque(P, W, q, work):
+    """Sum of squared scaled gravity torques; work (6, 7) is work space."""
+    hold(P, W, q, work, 0, TORQUE)
+    total = 0.0
     for joint in range(7):
-        v = add((J[0, joint], J[1, joint], J[2, joint]), cross((J[3, joint], J[4, joint], J[5, joint]), position))
-        J[0, joint] = v[0]
-        J[1, joint] = v[1]
-        J[2, joint] = v[2]
+        torque = W[SCALES + joint] * work[TORQUE, joint]
+        total += torque * torque
+    return total
 
 
 @kernel
@@ -97,5 +98,5 @@ def objective(P, kind, params, q, J):
         return cost(P, toward_reference(P, params, q), True, read7(params), False)
     if kind == at.GRAVITY:
         return squared_torque(P, params[at.WEIGHT :], q, J)
-    tip_jacobian(P, q, J)
+    tip_lines(P, q, J)
     return figure(kind, params, J)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
+from srs_ik.kernels.chain.kinematics import tip_lines
 from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import put
 from srs_ik.kernels.curves.in_step import load_sample
@@ -23,7 +24,7 @@ from srs_ik.kernels.layout.asked import Setting
 from srs_ik.kernels.layout.search import BEST, BRACKET, F_BEST, REFUSED, STATE, TIE
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.optimum.objectives import figure, objective, tip_jacobian
+from srs_ik.kernels.optimum.objectives import figure, objective
 
 EDGE = 1e-13
 EDGE_STEPS = 100
@@ -136,7 +137,7 @@ def capped(P, wanted, q, J):
     """Value of an objective at a posture, refused where another objective exceeds a cap."""
     if wanted.cap_kind < 0:
         return objective(P, wanted.kind, wanted.params, q, J)
-    tip_jacobian(P, q, J)
+    tip_lines(P, q, J)
     return REFUSED if figure(wanted.cap_kind, wanted.params, J) > wanted.cap else figure(wanted.kind, wanted.params, J)
 
 

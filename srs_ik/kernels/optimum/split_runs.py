@@ -5,8 +5,6 @@ more than one sum is free at once, many runs cover the surface of postures, and 
 it in all directions of the surface.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -23,6 +21,7 @@ from srs_ik.kernels.layout.search import LINES, MOST_LINES, SPLIT
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, comes_in_line, is_in_line, toward_of, wide_limb
+from srs_ik.kernels.limb.surface import split
 from srs_ik.kernels.limb.triangle import elbow_side
 
 PARTS = 48
@@ -43,14 +42,6 @@ MOST_ROWS = MOST_LINES * (PARTS + 8)
 def moved_along(q, x1, x3, x5, x7):
     """A posture with its outer joints turned."""
     return (q[0] + x1, q[1], q[2] + x3, q[3], q[4] + x5, q[5], q[6] + x7)
-
-
-@kernel
-def split_by(P, k, q, x):
-    """A posture with joint 1 of the spherical joint at block k turned by x, and joint 3 so that their sum stays."""
-    if k == at.SHOULDER:
-        return moved_along(q, x, -toward_of(P, k, q[1]) * x, 0.0, 0.0)
-    return moved_along(q, 0.0, 0.0, x, -toward_of(P, k, q[5]) * x)
 
 
 @kernel
@@ -76,14 +67,14 @@ def put_line(P, by, q, line_of, line, out, used):
         if way >= 4:
             start = swung_by(P, q, x)
             if way & 1 == 1:
-                start = split_by(P, at.SHOULDER, start, toward_of(P, at.SHOULDER, q[1]) * (start[2] - q[2]))
+                start = split(P, at.SHOULDER, start, toward_of(P, at.SHOULDER, q[1]) * (start[2] - q[2]))
             if way & 2 == 2:
-                start = split_by(P, at.WRIST, start, q[4] - start[4])
+                start = split(P, at.WRIST, start, q[4] - start[4])
         else:
             if way != 1:
-                start = split_by(P, at.SHOULDER, start, x)
+                start = split(P, at.SHOULDER, start, x)
             if way != 0:
-                start = split_by(P, at.WRIST, start, -x if way == 3 else x)
+                start = split(P, at.WRIST, start, -x if way == 3 else x)
         closed, error = close_gently(P, start, by.target.R, by.target.p, False, by.J, by.A)
         if error <= CLOSED:
             count = put(line, count, x, closed)
@@ -125,7 +116,7 @@ def survey_splits(P, by, line, out, used):
                     lines = LINES if surface else 1
                     for k in range(lines):
                         # A segment of the surface at each of so many splits of the other spherical joint.
-                        start = split_by(P, at.WRIST if i < 2 else at.SHOULDER, q, k * 2.0 * math.pi / lines)
+                        start = split(P, at.WRIST if i < 2 else at.SHOULDER, q, k * 2.0 * math.pi / lines)
                         used = put_line(P, by, start, (i // 2, math.pi, PARTS, code), line, out, used)
     keep(boxes)
     return used

@@ -1,13 +1,11 @@
 """Postures of the poses between two at which a path is planned."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, store7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import cross, norm
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -17,7 +15,6 @@ from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, target_of
 from srs_ik.kernels.path.followed import ON_LIMIT, posture_of, settled
 from srs_ik.kernels.path.pose_strips import roomy

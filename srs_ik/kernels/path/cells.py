@@ -13,12 +13,10 @@ and t between which no joint steps farther are a convex polygon: seven strips cu
 what can be reached of the other cell.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, store7
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.jit import kernel
@@ -69,7 +67,7 @@ def least_sine(P, k, circle, begin, end):
             psi += TURN * math.ceil((begin - psi) / TURN)
             if psi > end:
                 continue
-        v = swing(circle[0], circle[1], circle[2], math.cos(psi), math.sin(psi))
+        v = swing(circle, math.cos(psi), math.sin(psi))
         _, sine, _ = middle_angle(P, k, v)
         least = min(least, sine)
     return least
@@ -140,21 +138,8 @@ def stray_near(P, target, a, b, J, A):
         q, met = between(P, by, a, b, part / PARTS)
         if not met:
             return FREE
-        most = max(most, distance_to(along7(a, 1.0, short(a, q)), a, d))
+        most = max(most, distance_to(along7(a, 1.0, difference(a, q)), a, d))
     return MEASURED * most + SLACK
-
-
-@kernel
-def short(a, q):
-    """The steps from a to q, without whole turns."""
-    d = along_cell(a, q)
-    return (turned(d[0]), turned(d[1]), turned(d[2]), turned(d[3]), turned(d[4]), turned(d[5]), turned(d[6]))
-
-
-@kernel
-def turned(angle):
-    """An angle without whole turns."""
-    return angle - TURN * math.floor(angle / TURN + 0.5)
 
 
 @kernel
@@ -212,7 +197,7 @@ def put_turns(P, cells, n, a, b, off, told):
 @kernel
 def cell_chord(cells, i):
     """From the first posture of a cell to its last."""
-    return (cells[i, 7], cells[i, 8], cells[i, 9], cells[i, 10], cells[i, 11], cells[i, 12], cells[i, 13])
+    return read7(row(row(cells, i), 7))
 
 
 @kernel

@@ -1,23 +1,20 @@
 """A path made better within a corridor: the same programme over a few postures to both sides of each of its own."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest, store7
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of
-from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.algebra.vectors import load3
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
+from srs_ik.kernels.algebra.vectors import load3, load_pose
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
-from srs_ik.kernels.layout.path import Course, Posture, Sheet, Span, Stop
-from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.layout.path import SETTINGS, Course, Posture, Sheet, Span, Stop
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import target_of
 from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled, write_sides
@@ -27,7 +24,7 @@ from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_b
 from srs_ik.kernels.path.splits import along_split, split_of
 from srs_ik.kernels.path.steps import copied, rules_for
 from srs_ik.kernels.path.strips import put_node
-from srs_ik.kernels.pose.moved import moved_eight, one_pose, within, write_tip
+from srs_ik.kernels.pose.moved import moved_eight, within, write_tip
 
 WIDTH = 2
 """Postures to each side."""
@@ -124,7 +121,7 @@ def put_along_curve(P, stop, here, motion, sheet, n, space):
     """`put_across` on a near limb, the postures taken to their curve in step; `motion` as in `beside`."""
     v, move, longest = motion
     far = (eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0) - float(WIDTH)) * move
-    aside, met = moved_eight(P, one_pose(stop.side), here.q, (v, far))
+    aside, met = moved_eight(P, load_pose(stop.side, 0), here.q, (v, far))
     aside, inside = within(P, aside, ON_LIMIT_OF_CURVE)
     met &= inside & as_bits(largest_of(along7(aside, -1.0, here.q)) < longest)
     for k in range(ACROSS):
@@ -194,8 +191,7 @@ def corridor(family, course, line, width, start, rules, space):
         np.empty((room, at.NODE)), np.ones(room, np.bool_), np.full(room, at.IMPOSSIBLE), np.empty((count, at.STRIP))
     )
     ends = np.zeros(count + 1, np.int64)
-    scales = np.empty(7 * at.SETTINGS)
-    scaled = copied(rules.settings, row(scales, 0))
+    scaled = copied(rules.settings, row(scratch(SETTINGS, 7), 0))
     for c in range(count):
         i = chain[c]
         ends[c + 1] = put_across(P, course, line, (i, width), sheet, ends[c], space)
@@ -215,7 +211,6 @@ def corridor(family, course, line, width, start, rules, space):
             _, best = step_back(row(line.q, chain[c + 1]), sheet, Span(ends[c], ends[c + 1], c, c + 1), stepped)
         if not course.fixed[i]:
             settle_on(P, course, line, i, sheet.nodes, best, space)
-    keep(scales)
 
 
 @kernel

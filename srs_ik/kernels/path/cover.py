@@ -1,11 +1,9 @@
 """All cells of a pose, and finer ones in the place of some."""
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
@@ -13,9 +11,8 @@ from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO, CURVE, NODE_PSI, POINT, Around
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, target_of
-from srs_ik.kernels.path.cells import FREE, SLACK, may_be_inside, put_cell, put_turns, short, stray, stray_near
+from srs_ik.kernels.path.cells import FREE, SLACK, may_be_inside, put_cell, put_turns, stray, stray_near
 from srs_ik.kernels.path.followed import along_cell, posture_of
 from srs_ik.kernels.path.near_strips import setting_of
 from srs_ik.kernels.path.pose_strips import pose_strips, roomy
@@ -143,7 +140,7 @@ def cover_curve(P, target, ends, net, n, J, A):
         wanted = b
         if part < count:
             inner, met = between(P, by, a, b, part / count)
-            wanted = along7(q, 1.0, short(q, inner)) if met else along7(a, part / count, d)
+            wanted = along7(q, 1.0, difference(q, inner)) if met else along7(a, part / count, d)
         if n >= net.cells.shape[0]:
             break
         put_cell(net.cells, n, q, wanted, stray_near(P, target, q, wanted, J, A), (0.0, 0.0, float(CURVE)))
@@ -158,7 +155,7 @@ def cut_cell(family, target, cell, net, n, J, A):
     P = row(family, LIMITED)
     branch = int(cell[CELL_BRANCH])
     a = read7(cell)
-    b = along7(a, 1.0, (cell[7], cell[8], cell[9], cell[10], cell[11], cell[12], cell[13]))
+    b = along7(a, 1.0, read7(row(cell, 7)))
     is_small = length_of(along_cell(a, b)) <= net.longest and cell[CELL_OFF] <= OFF_SHARE * net.longest
     if P[IS_NEAR] != 0.0 and branch == CURVE and not is_small:
         return cover_curve(P, target, (a, b), net, n, J, A)

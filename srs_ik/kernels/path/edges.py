@@ -5,8 +5,6 @@ Sums of squares as they are; limits of the steps, the largest step and the large
 added to what is to be least. The less the weight, the closer to the corner that the best one is.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import largest

@@ -3,14 +3,13 @@
 What the postures of an elbow branch of a pose share may be worked out once, and read again.
 """
 
-from __future__ import annotations
-
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import difference, largest
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
 from srs_ik.kernels.algebra.lanes import as_bits, gather, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import load3, scale, store3, swing
+from srs_ik.kernels.algebra.vectors import load3, scale, store3
 from srs_ik.kernels.chain.eight import sines_of_eight
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
@@ -18,7 +17,7 @@ from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.layout.path import SIDE, SIDE_ELBOW, SIDE_FOREARM, SIDE_LINE, SIDE_SHOULDER, SIDE_WRIST
 from srs_ik.kernels.limb.limits import PER_TURN, TURN, turn_to_middle
 from srs_ik.kernels.limb.self_motion import turned_rates
-from srs_ik.kernels.limb.spherical import angles, eight_middles, middle_angle, sines
+from srs_ik.kernels.limb.spherical import angles, columns_at, eight_middles, middle_angle, sines
 from srs_ik.kernels.limb.triangle import elbow_side, target_of
 from srs_ik.kernels.pose.moved import gather3
 
@@ -54,9 +53,7 @@ def turn_all(P, q, near, followed):
 @kernel
 def half_posture(P, k, motion, turn, sign, anchor):
     """One solution of a spherical joint at cosine and sine of an arm angle, and whether its axes can make it."""
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], turn[0], turn[1])
-    y = swing(y0[0], y0[1], y0[2], turn[0], turn[1])
+    v, y = columns_at(motion, turn[0], turn[1])
     cm, sm, reached = middle_angle(P, k, v)
     return angles(P, k, v, y, cm, sm, sign, anchor), reached
 
@@ -82,11 +79,7 @@ def settled(P, q, slack):
 @kernel
 def turned_away(q, near):
     """Largest joint step between two postures, whole turns left out."""
-    most = 0.0
-    for j in range(7):
-        d = q[j] - near[j]
-        most = max(most, abs(d - TURN * math.floor(d / TURN + 0.5)))
-    return most
+    return largest(difference(near, q))
 
 
 @kernel
@@ -150,8 +143,7 @@ def eight_halves(P, k, circles, turns, near):
     The others are three angles each, and the sines of the middle ones.
     """
     q, side = near
-    v = swing(circles[0][0], circles[0][1], circles[0][2], turns[0], turns[1])
-    y = swing(circles[1][0], circles[1][1], circles[1][2], turns[0], turns[1])
+    v, y = columns_at(circles, turns[0], turns[1])
     c, s, missed = eight_middles(P, k, v)
     one, two, three, _ = sines(P, k, v, y, c, where(side < 0.0, -s, s))
     clear = as_bits((s > CLEAR) & (abs(side) > CLEAR)) & ~as_bits(missed)

@@ -3,8 +3,6 @@
 Coarse strips are all curves of a pose; fine ones are the piece of one curve about a posture.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,11 +1,9 @@
 """All strips of a pose: of its feasible intervals, and of the turns of joints that have more than one."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, short_way
-from srs_ik.kernels.algebra.pointers import copy, row
+from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -15,7 +13,6 @@ from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, IS_NEAR, LIMITED, LOWER, PHASE, SHOULDER, TOP_GAP, UPPER, WRIST
 from srs_ik.kernels.limb.in_line import closest, may_split
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, target_of
 from srs_ik.kernels.path.followed import along_cell, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs

@@ -6,8 +6,6 @@ best place is known in closed form, and coarse strips make no coarse path. Only 
 passes singularities, where branches meet, like any other place.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

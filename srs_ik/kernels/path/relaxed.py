@@ -7,14 +7,13 @@ in the second one: its values at both ends, less the bound of its bend, are nowh
 costs is one figure.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import path as at
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.path.cells import GROUP, cell_chord
 from srs_ik.kernels.path.steps import steps_between
 
@@ -67,7 +66,7 @@ def step_between(cells, i, worth, here, j, settings):
     long = 0.5 * (math.sqrt(dot7(d, d)) + math.sqrt(dot7(chord, chord)))
     if apart - off - long > FAR:
         # The shorter way round, for joints without end.
-        middle = steps_between(settings, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), middle)
+        middle = steps_between(settings, NO_SEED, middle)
         least = lowest(worth, i) + max(math.sqrt(dot7(middle, middle)) - off - long, 0.0) ** 2
         return least, least, 0.0
     gain = 1.0 - off / apart
@@ -117,7 +116,7 @@ def quickest_between(cells, i, here, j, settings):
     middle = along7(along7(e, 0.5, chord), -0.5, d)
     long = 0.5 * (math.sqrt(dot7(d, d)) + math.sqrt(dot7(chord, chord)))
     if math.sqrt(dot7(middle, middle)) - off - long > FAR:
-        middle = steps_between(settings, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), middle)
+        middle = steps_between(settings, NO_SEED, middle)
         return max(math.sqrt(dot7(middle, middle)) - off - long, 0.0) * settings[7 * at.LEAST_INVERSE] / ROOT_7
     ed, ec, dd, dc, cc = 0.0, 0.0, 1e-18, 0.0, 1e-18
     for k in range(7):

@@ -5,22 +5,19 @@ path, with one more row and column where all steps share a bound. Arm angles on 
 beyond it stay there (projected as by Bertsekas 1982).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, largest, store7
-from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, gather, scatter, where
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.lanes import ALL, LANES, as_bits, as_mask, gather, scatter, where
+from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.chain.eight import put_eight, put_some, take_eight
 from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
-from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.path.corridor import ON_LIMIT_OF_CURVE, SHORTENED, beside, moving_rates, posture_at, stop_of
 from srs_ik.kernels.path.edges import (
     CROSS,
@@ -146,8 +143,7 @@ def hold(P, course, line, move, rate):
         back, forth = room_of(P, course, line, i)
         if (back >= -ON_END and move[c] < 0.0) or (forth <= ON_END and move[c] > 0.0):
             some = True
-            for j in range(7):
-                rate[i, j] = 0.0
+            store7(row(rate, i), 0, NO_SEED)
     return some
 
 
@@ -175,8 +171,7 @@ def solve_system(system, corner, damping, n):
 @kernel
 def write_rate(P, course, line, rate, i, space):
     """Joint rates of a posture with its arm angle, or along its split, zero where they cannot be used."""
-    for j in range(7):
-        rate[i, j] = 0.0
+    store7(row(rate, i), 0, NO_SEED)
     if not course.fixed[i]:
         here = posture_at(line, i)
         v, usable = split_of(P, here.q)
@@ -295,8 +290,7 @@ def hold_beyond(P, course, line, move, rate):
         room = forth if move[c] > 0.0 else -back
         if abs(move[c]) > ON_END and room < LEAST_PART * abs(move[c]) and largest(row(rate, i)) > 0.0:
             some = True
-            for j in range(7):
-                rate[i, j] = 0.0
+            store7(row(rate, i), 0, NO_SEED)
     return some
 
 

@@ -3,17 +3,14 @@
 A strip that begins or ends in one has all its turns for neighbours.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, IS_CLOSED, LOWER, PHASE, SHOULDER, TOP_GAP, UPPER, WRIST
 from srs_ik.kernels.layout.path import NODE_BRANCH, NODE_PSI
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.followed import settled
 from srs_ik.kernels.path.strips import SPACING, put_node
 

@@ -1,11 +1,8 @@
 """One joint step: from a posture to another, or from between two of a strip, and what it counts."""
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.eight import larger
-from srs_ik.kernels.algebra.lanes import where, whole_number
+from srs_ik.kernels.algebra.lanes import larger, where, whole_number
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.path import Rules

@@ -7,8 +7,6 @@ arm angle stands still, there are as many as the joints need. Where a joint has 
 turns has strips of its own.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -16,8 +14,8 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import apart, store7
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, scatter, where
-from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import load3, swing
+from srs_ik.kernels.algebra.pointers import read7, row
+from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.eight import put_eight
 from srs_ik.kernels.exact.samples import add_changes
 from srs_ik.kernels.jit import kernel
@@ -25,9 +23,8 @@ from srs_ik.kernels.layout.limb import FIRST_JOINT, INVERSE_HALF_RANGE, LOWER, R
 from srs_ik.kernels.layout.path import MEMO, MEMO_CLEAR, MEMO_SHOULDER, MEMO_STAMP, MEMO_WRIST, NODE_BRANCH, NODE_PSI
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures, in_middle_turn
-from srs_ik.kernels.limb.spherical import eight_middles, sines
+from srs_ik.kernels.limb.spherical import columns_at, eight_middles, sines
 from srs_ik.kernels.path.followed import CLEAR, posture_of, turn_all, turned_away
 
 SPACING = 0.45
@@ -79,8 +76,7 @@ def has_turns(P):
 @kernel
 def fill_half(P, k, motion, turns, memo, at, stride):
     """Write both solutions of a spherical joint at eight arm angles; as bits, which are clear cut."""
-    v = swing(motion[0][0], motion[0][1], motion[0][2], turns[0], turns[1])
-    y = swing(motion[1][0], motion[1][1], motion[1][2], turns[0], turns[1])
+    v, y = columns_at(motion, turns[0], turns[1])
     first = int(P[k + FIRST_JOINT])
     c, s, missed = eight_middles(P, k, v)
     for sign in range(2):

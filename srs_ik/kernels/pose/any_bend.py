@@ -5,8 +5,6 @@ no more than itself. So the best arm angle is looked for at one bend, with limit
 then at that arm angle.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,12 +1,10 @@
 """Feasible arm angles of one pose, either kind of limb."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.exact.flat import HIDING, exact_intervals, intervals_around
@@ -37,8 +35,7 @@ def may_be_hidden(F, target, J, A):
         return False
     if may_split(F, target.place):
         return True
-    boxes, found = np.empty((1, SIZE)), np.empty((8 * MAX_PIECES, 3))
-    box = row(boxes, 0)
+    box, found = row(scratch(1, SIZE), 0), np.empty((8 * MAX_PIECES, 3))
     band = band_of(F, target.place)
     if widest(band) < ALMOST_NOTHING:
         # Limits may leave one of both limbs a point where the other has nothing, or points that no sample meets.
@@ -47,7 +44,6 @@ def may_be_hidden(F, target, J, A):
     else:
         tighten(F, NO_SEED, math.inf, HIDING, box)
         hidden = predicted_intervals(box, target, found, J, A) != 0
-    keep(boxes)
     return hidden
 
 

@@ -1,11 +1,9 @@
 """Postures of eight poses moved along their curves on the true chain, in step."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, where
-from srs_ik.kernels.algebra.vectors import load3, load9, store3
+from srs_ik.kernels.algebra.vectors import store_pose
 from srs_ik.kernels.chain.newton_eight import curve_step, largest
 from srs_ik.kernels.curves.in_step import between_eight, on_way
 from srs_ik.kernels.jit import kernel
@@ -19,9 +17,7 @@ from srs_ik.kernels.limb.poses import read_pose
 def write_tip(T, out):
     """Write the rotation and position of a pose (TIP,)."""
     R, p, _ = read_pose(T)
-    for k in range(0, 9, 3):
-        store3(out, k, (R[k], R[k + 1], R[k + 2]))
-    store3(out, 9, p)
+    store_pose(out, 0, R, p)
 
 
 @kernel
@@ -37,12 +33,6 @@ def eight_poses(tips):
 
 
 @kernel
-def one_pose(tip):
-    """Rotation and position of a pose."""
-    return load9(tip, 0), load3(tip, 9)
-
-
-@kernel
 def ways_of_eight(P, tips, q):
     """The unit vectors along the curves of eight poses at a posture of each, and as bits where there are any."""
     R, p = eight_poses(tips)
@@ -54,11 +44,7 @@ def ways_of_eight(P, tips, q):
 def moved_eight(P, poses, q, moves):
     """Postures moved some ways along directions of the curves of their poses, and as bits, which meet their poses.
 
-    Args:
-        P: packed limb.
-        poses: eight rotations and positions, or one.
-        q: a posture of each, or one.
-        moves: the directions, and how far along them.
+    `poses` are eight rotations and positions, or one, with a posture each; `moves` directions, and how far along them.
     """
     by = Setting(Target(poses[0], poses[1], 0.0), 0.0, True, 0.0, 0.0)
     there, _, met = between_eight(P, by, on_way(q, moves[0], moves[1]), moves[0])

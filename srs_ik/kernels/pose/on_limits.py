@@ -1,7 +1,5 @@
 """Postures that rounding alone leaves outside their limits, next to a singularity: put inside."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

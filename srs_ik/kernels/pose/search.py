@@ -1,13 +1,10 @@
 """The whole redundancy of a pose: its feasible intervals, and the best posture over all of them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import with_joint
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
 from srs_ik.kernels.chain.newton import CLOSED, close_free
 from srs_ik.kernels.chain.starts import SPLITS, put_splits
@@ -28,16 +25,15 @@ from srs_ik.kernels.layout.limb import (
     LIMITED,
     LOOSE,
     MISS,
-    PHASE,
     SHOULDER,
     SIZE,
     WRIST,
 )
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_on_border, is_unsure
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_on_border, is_unsure, singular_sines
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_line_up, toward_of
 from srs_ik.kernels.limb.limits import tighten
-from srs_ik.kernels.limb.splits import nearest_split
+from srs_ik.kernels.limb.splits import nearest_split, with_outer
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.at_angle import is_crowded, may_be_unsure_within
 from srs_ik.kernels.near.band import is_well_bent
@@ -47,7 +43,6 @@ from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_a
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
-
 
 APART = 1e-6
 """Splits farther apart than this, rad, are two."""
@@ -62,11 +57,9 @@ def search_hardly_near(P, target, found, known, goal, J, A):
     two limbs may have postures alone; so they are as far apart wider for that limb as its postures may be from these.
     """
     q, _, lowest = known
-    boxes = np.empty((1, SIZE))
-    wide = row(boxes, 0)
+    wide = row(scratch(1, SIZE), 0)
     tighten(P, goal.seed, math.inf, nearest.between_limbs(P), wide)
     start, _, value = nearest_within(wide, target.place, found, -1, goal, 4.0 * NO_BRANCH)
-    keep(boxes)
     if value >= OUTSIDE and not is_unsure(P, q):
         return known, True
     if value < OUTSIDE:
@@ -89,8 +82,7 @@ def may_be_singular(P, target, seed, distance, J):
     There the exact limb's postures, along which sums of joints are split, are far from those of the true chain; where
     this splits sums too, it has a curve of postures at a single arm angle of that limb.
     """
-    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
-    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    s2, _, s6 = singular_sines(P, seed)
     within = distance + nearest.between_limbs(P)
     if max(s2, s6) < within and has_surface(P, target.place):
         return True
@@ -103,8 +95,7 @@ def may_be_in_line(P, place_, seed, distance):
 
     There the true chain has postures where the nearest exact limb has none.
     """
-    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
-    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    s2, _, s6 = singular_sines(P, seed)
     within = nearest.between_limbs(P)
     return min(s2, s6) < distance + within and may_line_up(P, place_, within)
 
@@ -112,13 +103,10 @@ def may_be_in_line(P, place_, seed, distance):
 @kernel
 def intervals_within(family, target, known, goal, found):
     """Write the intervals of arm angles at which a posture may be nearer than the best one so far; their number."""
-    boxes = np.empty((1, SIZE))
-    box = row(boxes, 0)
+    box = row(scratch(1, SIZE), 0)
     P = row(family, LIMITED if goal.respect else FREE)
     tighten(P, goal.seed, math.sqrt(known[2]) * (1.0 + 1e-9), nearest.between_limbs(P), box)
-    n = find_intervals(box, target.place, -1, found)
-    keep(boxes)
-    return n
+    return find_intervals(box, target.place, -1, found)
 
 
 @kernel
@@ -133,7 +121,7 @@ def split_behind_limits(P, target, goal, found, work):
         total = toward * q[first] + q[first + 2]
         q1, q3 = nearest_split(P, k, first, total, toward, goal.seed[first], goal.seed[first + 2])
         if abs(q1 - q[first]) > APART:
-            start = with_joint(with_joint(q, first, q1), first + 2, q3)
+            start = with_outer(q, first, q1, q3)
             found = try_from(P, start, target, goal, found, work)
     return found
 
@@ -160,8 +148,7 @@ def going_on_in_branch(family, target, branch, goal, found, J, A):
     or on the other is of either branch. So a branch is what limits of joints 2, 4 and 6 keep that reach past its
     borders by as much.
     """
-    boxes = np.empty((1, SIZE))
-    box = row(boxes, 0)
+    box = row(scratch(1, SIZE), 0)
     around = found[0] if found[2] < OUTSIDE else goal.seed
     if draw_to_branch(row(family, LIMITED if goal.respect else FREE), branch, around, box):
         within = Goal(True, goal.seed, True)
@@ -169,7 +156,6 @@ def going_on_in_branch(family, target, branch, goal, found, J, A):
         q, value = nearest.settle_inside(box, target, goal.seed, within, J, A)
         q, _, value = going_on(box, target, within, (q, branch, value) if value < found[2] else found, J, A)
         found = (q, branch, value)
-    keep(boxes)
     return found
 
 

@@ -1,20 +1,17 @@
 """Postures evenly spaced in arm angle through the intervals of a pose, each in the turns nearest to the one before."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.chain.answer import measure_row_at
 from srs_ik.kernels.chain.starts import best_of_all
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, OK, ROW_STATUS
-from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import OUTSIDE
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import read_target
 from srs_ik.kernels.near.at_angle import from_curves, solve_at_angle
 from srs_ik.kernels.near.band import is_told
 from srs_ik.kernels.near.on_curves import followed_curves, no_curves, setting_of
@@ -43,11 +40,10 @@ def angle_of_sample(interval, i, count):
 @kernel
 def self_motion_rows(family, T, intervals, respect, J, A, out):
     """Write as many postures for each interval of a pose as there are rows of out (n, ROW) for it."""
-    R, p, verdict = read_pose(T)
+    P = row(family, LIMITED)
+    target, verdict = read_target(P, T)
     if verdict != GOOD_POSE:
         return verdict
-    P = row(family, LIMITED)
-    target = Target(R, p, place(P, R, p))
     count = out.shape[0] // max(intervals.shape[0], 1)
     before = np.zeros((1, 7))
     followed = no_curves()

@@ -4,15 +4,12 @@ A solving function writes rows laid out as `ROW_*` in `layout`; statuses are num
 A are work space of near limbs, (6, 7) and (16, 9) (see `chain.starts`).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, one_of, scatter
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
 from srs_ik.kernels.chain.eight import put_eight, take_eight, tip_errors
@@ -21,14 +18,13 @@ from srs_ik.kernels.chain.newton import CLOSED, clipped
 from srs_ik.kernels.exact.free_splits import worse_by
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import answer as at
-from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SHOULDER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line
-from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.postures_eight import farthest_branches, join_parts
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import read_target
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
@@ -114,18 +110,16 @@ def best_posture(family, target, branch, goal, J, A):
 @kernel
 def solve_row(family, T, branch, goal, J, A, out):
     """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
-    R, p, verdict = read_pose(row(T, 0))
+    P = row(family, LIMITED)
+    target, verdict = read_target(P, row(T, 0))
     if verdict != at.GOOD_POSE:
         return verdict
-    P = row(family, LIMITED)
-    place_ = place(P, R, p)
-    target = Target(R, p, place_)
     q, best, lowest = best_posture(family, target, branch, goal, J, A)
     measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
     if P[IS_NEAR] != 0.0 and branch < 0 and lowest >= UNMET and out[at.ROW_STATUS] == at.OUT_OF_LIMITS:
         # Its nearest exact limb reaches the pose; it does not, limits or not.
         out[at.ROW_STATUS] = at.UNREACHABLE
-    if P[IS_NEAR] != 0.0 and goal.respect and out[at.ROW_STATUS] == at.UNREACHABLE and may_reach(P, place_):
+    if P[IS_NEAR] != 0.0 and goal.respect and out[at.ROW_STATUS] == at.UNREACHABLE and may_reach(P, target.place):
         # What a near limb reaches, its limits forbid.
         if lowest < UNMET:
             out[at.ROW_STATUS] = at.OUT_OF_LIMITS
@@ -171,11 +165,10 @@ def put_inside(family, target, psi, branch, found, goal):
 @kernel
 def solve_row_at(family, T, psi, branch, goal, J, A, out):
     """Solve one pose at an arm angle, in a branch (-1: any), into a row of `out`; returns the verdict on the pose."""
-    R, p, verdict = read_pose(row(T, 0))
+    P = row(family, LIMITED)
+    target, verdict = read_target(P, row(T, 0))
     if verdict != at.GOOD_POSE:
         return verdict
-    P = row(family, LIMITED)
-    target = Target(R, p, place(P, R, p))
     found = put_inside(family, target, psi, branch, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     if P[IS_NEAR] != 0.0 and found[2] >= NO_BRANCH:
         # No posture at all: the one that the nearest exact limb has may come closer than where Newton's method ended.
@@ -206,13 +199,12 @@ def all_branches(family, T, asked, J, A, out, first, kept):
     `asked` holds the arm angle, and whether the limits count; `kept` is as in `solve_all_at_angle`. Returns the verdict
     on the pose, and these curves.
     """
-    R, p, verdict = read_pose(T)
+    P = row(family, LIMITED)
+    target, verdict = read_target(P, T)
     if verdict != at.GOOD_POSE:
         return verdict, kept
     psi, respect = asked
-    P = row(family, LIMITED)
-    place_ = place(P, R, p)
-    target = Target(R, p, place_)
+    R, p, place_ = target
     goal = Goal(False, NO_SEED, respect)
     if P[IS_NEAR] == 0.0:
         put_branches(P, place_, psi, respect, out, first)

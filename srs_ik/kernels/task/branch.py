@@ -4,8 +4,6 @@ Mirrored branches have the same margins but for rounding. Of equal solutions of 
 along a line of tasks the branch changes where another one has more room, and nowhere else.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.jit import kernel

@@ -7,8 +7,6 @@ direction moves on a circle about the line S-W as the arm angle does. So the arm
 the region are those at which two circles meet, and they are known.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import across, cross, dot, load3, rotate

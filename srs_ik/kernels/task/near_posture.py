@@ -5,8 +5,6 @@ with the configuration. Its posture is a triangle with the lengths that the true
 triangle is laid, the chain closed on it and measured, and the triangle laid anew, until the lengths no longer change.
 """
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.vectors import load3, norm, sub, times_transposed
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle, elbow_position
 from srs_ik.kernels.jit import kernel

@@ -11,8 +11,6 @@ the target, an arm with a grasp stretches towards its wrist, and where direction
 there is a rule.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.vectors import add, along, cross, dot, load3, norm, scale, store3, sub

@@ -4,13 +4,11 @@ With elbow and arm angle fixed, what the wrist has to turn moves on circles with
 angle when the hand is fixed. So the rolls at which the wrist keeps its limits are exact intervals too.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.vectors import across, apply, apply_transposed, cross, dot, load3, rotate, scale, swing
+from srs_ik.kernels.algebra.vectors import across, apply, apply_transposed, cross, dot, load3, rotate, scale
 from srs_ik.kernels.exact.events import add_event
 from srs_ik.kernels.exact.intervals import joint_pieces
 from srs_ik.kernels.jit import kernel
@@ -19,7 +17,7 @@ from srs_ik.kernels.layout.limb import A1, A3, ACROSS_3, AXES, INVERSE_HALF_RANG
 from srs_ik.kernels.limb.branches import anchor
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
 from srs_ik.kernels.limb.limits import turn_to_middle, turn_to_seed, violation
-from srs_ik.kernels.limb.spherical import angles, middle_angle
+from srs_ik.kernels.limb.spherical import angles, columns_at, middle_angle
 from srs_ik.kernels.limb.triangle import elbow_at, elbow_side, frame_at, shoulder_columns, side_frames, turned_frame
 from srs_ik.kernels.task.branch import TIE, steady_half
 from srs_ik.kernels.task.directions import MAX_CROSSINGS, wrist_crossings
@@ -81,10 +79,8 @@ def in_forearm(base, arm, a4, c4, s4, circle):
 def wrist_at(P, motion, roll, sign, seeded, seed, respect):
     """One solution of the wrist at a roll: its angles, and whether it exists."""
     c, s = math.cos(roll), math.sin(roll)
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], c, s)
+    v, y = columns_at(motion, c, s)
     cosine, sine, reached = middle_angle(P, WRIST, v)
-    y = swing(y0[0], y0[1], y0[2], c, s)
     return angles(P, WRIST, v, y, cosine, sine, sign, anchor(4, seeded, seed, respect)), reached
 
 

@@ -6,13 +6,12 @@ on the axis of joint 3 (erratum 3), q_4 from a difference of unit vectors (4), a
 that keeps the sign of the pronosupination only half of the time (6).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.joint_vectors import short_way
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import add, along, cross, load3, norm, scale, store3, sub, swing, times_transposed
 from srs_ik.kernels.chain.answer import measure_row, write_row
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
@@ -24,7 +23,6 @@ from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, NEAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, tightest_joint
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.near.at_angle import may_reach, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
@@ -194,8 +192,7 @@ def solve_posed(family, pose, m, branch, goal, work, out):
         if value < OUTSIDE:
             out[answer.ROW_STATUS] = answer.OUT_OF_LIMITS
             out[answer.ROW_JOINT] = tightest_joint(P, free)
-    away = out[answer.ROW_ARM_ANGLE] - psi
-    return abs(away - 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5))
+    return abs(short_way(out[answer.ROW_ARM_ANGLE] - psi))
 
 
 @kernel
@@ -206,7 +203,7 @@ def choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, res
     towards = (0.0, 0.0, 1.0)
     if seeded:
         tip_x, tip_y, tip_z, _ = forward_kinematics(P, seed)
-        towards = swing(scale(hand_axes[1], tip_x), tip_y, tip_z, hand_axes[4], hand_axes[7])
+        towards = swing((scale(hand_axes[1], tip_x), tip_y, tip_z), hand_axes[4], hand_axes[7])
     phi = unit_across(towards, direction, (1.0, 0.0, 0.0))
     moves_wrist = grasped and norm(cross(load3(H, at.HAND_WRIST), load3(H, at.HAND_GRASP))) >= OFF_AXIS
     branch = -1
@@ -214,7 +211,7 @@ def choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, res
         place_ = task_place(P, times_transposed(tip_axes(direction, phi), hand_axes), p)
         psi = planned_arm_angle(place_[0], place_[1], found[3])
         roll, branch = best_roll(P, place_, psi, direction, seeded, seed, respect)
-        phi = swing((0.0, 0.0, 0.0), phi, cross(direction, phi), math.cos(roll), math.sin(roll))
+        phi = swing(((0.0, 0.0, 0.0), phi, cross(direction, phi)), math.cos(roll), math.sin(roll))
         if moves_wrist:
             found = plan(P, H, x, grasped, phi, True, side, tie, lengths_of(H, grasped))
     return phi, found, branch

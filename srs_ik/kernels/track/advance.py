@@ -6,18 +6,16 @@ goal within all their limits, and brake so that they stop at it. Once they have 
 pose themselves, with the elbow where their limits leave room for it.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, store7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
+from srs_ik.kernels.algebra.vectors import load_pose
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
 from srs_ik.kernels.track.elsewhere import end_search, keep_detour, look_elsewhere, look_nearer
@@ -25,7 +23,7 @@ from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, out_of_reach, wanted
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.smoothing import lose_target, take_target
-from srs_ik.kernels.track.target import JUMP, keep_pace, load_pose
+from srs_ik.kernels.track.target import JUMP, keep_pace
 from srs_ik.kernels.track.verdict import CLOSE, on_the_way, verdict
 
 FASTER = 3.0
@@ -82,15 +80,10 @@ def reach_of_goal(P, C, goal, joint, side):
 @kernel
 def reaches_of_goal(P, C, g, side):
     """`reach_of_goal` of all joints."""
-    return (
-        reach_of_goal(P, C, g, 0, side),
-        reach_of_goal(P, C, g, 1, side),
-        reach_of_goal(P, C, g, 2, side),
-        reach_of_goal(P, C, g, 3, side),
-        reach_of_goal(P, C, g, 4, side),
-        reach_of_goal(P, C, g, 5, side),
-        reach_of_goal(P, C, g, 6, side),
-    )
+    found = row(scratch(1, 7), 0)
+    for joint in range(7):
+        found[joint] = reach_of_goal(P, C, g, joint, side)
+    return read7(found)
 
 
 @kernel
@@ -125,15 +118,9 @@ def move_goal(P, S, C, pose, work):
 def follow_goal(S, C, low, high):
     """Velocities with which the joints come to the goal and stop there, as far as their limits allow."""
     q, goal, rate = read7(row(S, at.Q)), read7(row(S, at.GOAL)), read7(row(S, at.GOAL_RATE))
-    v = (
-        toward(C, 0, q[0], goal[0], rate[0]),
-        toward(C, 1, q[1], goal[1], rate[1]),
-        toward(C, 2, q[2], goal[2], rate[2]),
-        toward(C, 3, q[3], goal[3], rate[3]),
-        toward(C, 4, q[4], goal[4], rate[4]),
-        toward(C, 5, q[5], goal[5], rate[5]),
-        toward(C, 6, q[6], goal[6], rate[6]),
-    )
+    v = row(scratch(1, 7), 0)
+    for joint in range(7):
+        v[joint] = toward(C, joint, q[joint], goal[joint], rate[joint])
     return between(v, low, high)
 
 
@@ -238,15 +225,10 @@ def step_to(P, S, C, v):
 
 @kernel
 def advance(P, S, C, given, work, out):
-    """A tracker's next period.
+    """A tracker's next period, into out (STEP,).
 
-    Args:
-        P: packed limb.
-        S: state.
-        C: settings, and behind them the parameters of an objective.
-        given: 1 with a target, 0 without, -1 with one that is no pose; its rotation and position.
-        work: J (6, 7), A (16, 9), B (7 KNOTS, BAND + 2), and the parameters of the elbow's objective.
-        out: (STEP,) output.
+    `given` is 1 with a target, 0 without, -1 with one that is no pose; and its rotation and position. `work` holds J,
+    A, B (7 KNOTS, BAND + 2), and the parameters of the elbow's objective.
     """
     has, R, p = given
     J, A, _, _ = work

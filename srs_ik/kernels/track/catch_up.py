@@ -1,23 +1,20 @@
 """A tip close to its target, but not on it: it comes back on the straight way, and brakes so that it does not pass."""
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, between
-from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import add, along, dot, scale
+from srs_ik.kernels.algebra.pointers import read7, row
+from srs_ik.kernels.algebra.vectors import add, along, dot, load_pose, scale
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import FREE_CONE
 from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.layout.track import ACCELERATION, FREE, HAS_FREE, PERIOD, ROTATION, Q, V
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import DAMPING, approach
 from srs_ik.kernels.track.freedom import free_way
 from srs_ik.kernels.track.limits import stopping_speed
-from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way, way_to
+from srs_ik.kernels.track.target import load_pace, part_of_way, way_to
 
 CLOSE_BY = 0.05
 """A tip this close to its target, m and, by the reach, rad, comes back on the straight way."""

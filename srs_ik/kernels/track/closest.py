@@ -3,8 +3,6 @@
 Turning by a radian counts as much as moving by a *lever*: that of `chain.closest` is the reach of the arm.
 """
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.joint_vectors import along7, between
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
@@ -130,13 +128,8 @@ def bounded_step(C, e, wish, box, work):
 
     Joints that would pass a bound are held on it, the worst first, and set free where that serves the pose.
 
-    Args:
-        C: settings.
-        e: from `error_at`.
-        wish: step that is taken where the pose leaves the choice, seven figures; damping for poses that cannot be met,
-            m^2; how much the step counts that is liked, m^2.
-        box: least and largest steps, seven of each, rad.
-        work: J (6, 7) from `error_at`, and A (16, 9).
+    `e` and J come from `error_at`. `wish` is the step that is taken where the pose leaves the choice; damping for poses
+    that cannot be met, m^2; and how much the step counts that is liked, m^2. `box` are least and largest steps, rad.
     """
     J, A = work
     low, high = box
@@ -173,15 +166,9 @@ def minus(a, b):
 def approach(P, C, pose, q, choice, steps, work):
     """Steps of Gauss and Newton whose sum stays between bounds: the sum, rad, and how far the pose is then.
 
-    Args:
-        P: packed limb.
-        C: settings.
-        pose: rotation and position.
-        q: posture to start from.
-        choice: first guess of the sum, the sum that is taken where the pose leaves the choice, the lever (m), damping
-            for poses that cannot be met and how much the sum counts that is liked (m^2), least sums, largest sums.
-        steps: how many at most; a pose that is met to `ENOUGH` needs no more.
-        work: J (6, 7) and A (16, 9).
+    `choice` holds a first guess of the sum, the sum that is taken where the pose leaves the choice, the lever (m),
+    damping for poses that cannot be met and how much the sum counts that is liked (m^2), least sums, largest sums. A
+    pose that is met to `ENOUGH` needs no more steps.
     """
     d, liked, (lever, damping, care), low, high = choice
     e, size = error_at(P, C, along7(q, 1.0, d), pose, lever, work[0])

@@ -1,8 +1,7 @@
 """What is asked of the elbow: an arm angle, or the way on which an objective falls."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.joint_vectors import short_way, with_joint
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.farthest import branch_at
 from srs_ik.kernels.jit import kernel
@@ -73,12 +72,7 @@ def slope(P, q, pose):
     """How fast the arm angle changes with each joint."""
     place_ = place(P, pose[0], pose[1])
     psi = arm_angle(P, q, place_[0], place_[1])
-    return (
-        slope_by(P, q, place_, psi, 0),
-        slope_by(P, q, place_, psi, 1),
-        slope_by(P, q, place_, psi, 2),
-        slope_by(P, q, place_, psi, 3),
-        slope_by(P, q, place_, psi, 4),
-        slope_by(P, q, place_, psi, 5),
-        slope_by(P, q, place_, psi, 6),
-    )
+    found = row(scratch(1, 7), 0)
+    for joint in range(7):
+        found[joint] = slope_by(P, q, place_, psi, joint)
+    return read7(found)

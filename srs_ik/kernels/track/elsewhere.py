@@ -4,14 +4,12 @@ The goal moves on the true chain, step by step; limits can stop it where the sam
 read off the intervals of the pose.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, store7
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.exact.farthest import branch_at
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -23,7 +21,6 @@ from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS, SIZE
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.limits import tighten
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.track.closest import DAMPING, approach, minus
 from srs_ik.kernels.track.freedom import allowed_turn, turns_to_look_at, whole_rotation
@@ -68,13 +65,8 @@ ALL_DOWN = (-math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -m
 def nearest_in(P, side, interval, start, best, least):
     """The posture of an interval that is nearest to another, of those looked at, if it is nearer than the best.
 
-    Args:
-        P: packed limb.
-        side: `elbow_side` of the interval.
-        interval: (3,).
-        start: the other posture, and how far from it, rad, postures have been tried in vain.
-        best: the nearest posture so far.
-        least: how far that is, rad.
+    `side` is `elbow_side` of the interval, `start` the other posture, and how far from it, rad, postures have been
+    tried in vain; the best so far is `least`, rad, away.
     """
     goal, tried = start
     branch = int(interval[0])
@@ -123,12 +115,9 @@ def postures_to_try(P, start, place_):
     """`nearest_postures` of the nearest exact limb: within what a near limb's limits may be for that."""
     if P[IS_CLOSED] == 1.0:
         return nearest_postures(P, start, place_, RELUCTANT)
-    boxes = np.empty((1, SIZE))
-    box = row(boxes, 0)
+    box = row(scratch(1, SIZE), 0)
     tighten(P, NO_SEED, math.inf, SPARE * between_limbs(P), box)
-    found = nearest_postures(box, start, place_, RELUCTANT)
-    keep(boxes)
-    return found
+    return nearest_postures(box, start, place_, RELUCTANT)
 
 
 @kernel

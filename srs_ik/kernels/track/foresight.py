@@ -6,19 +6,16 @@ the arm goes straight through a singular posture in its way or early around it, 
 comes. A plan is two steps of Gauss and Newton from the plan before, on the true chain.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.banded import solve_band
 from srs_ik.kernels.algebra.joint_vectors import along7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.linear import solve_band
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import column, dot6, error_at
 from srs_ik.kernels.track.elbow import slope, wish
 from srs_ik.kernels.track.freedom import whole_rotation
@@ -226,15 +223,7 @@ def improve(P, S, C, task, work):
 
 @kernel
 def foresee(P, S, C, task, work):
-    """Plan anew, from the plan before.
-
-    Args:
-        P: packed limb.
-        S: state.
-        C: settings.
-        task: parameters of the elbow's objective.
-        work: J (6, 7), A (16, 9), B (7 KNOTS, BAND + 2).
-    """
+    """Plan anew, from the plan before; `task` are the parameters of the elbow's objective, `work` J, A and B."""
     begin(S)
     for _ in range(STEPS):
         improve(P, S, C, task, work)

@@ -1,20 +1,16 @@
 """Targets that leave a turn free: which rotations they allow, and which one they are taken for."""
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import angle_between, apply, load3, norm, rotate, rotation, sub, times
+from srs_ik.kernels.algebra.pointers import read7, row
+from srs_ik.kernels.algebra.vectors import angle_between, apply, load3, load_pose, norm, rotate, rotation, sub, times
 from srs_ik.kernels.chain.freedom import allowed, any_across, as_rotation, free_error, read_freedom, turn_left
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import FREE_CONE, Freedom
 from srs_ik.kernels.layout.limb import FAR, MISS, NEAR, SHOULDER_CENTRE, WRIST_IN_TIP
 from srs_ik.kernels.layout.track import FREE, GOAL, HAS_FREE, ROTATION, STARTED
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist
-from srs_ik.kernels.track.target import load_pose
 
 ROLLS, LEANS = 32.0, 96.0
 """So many turns stand for all that are allowed: with the roll alone free, and in a cone."""

@@ -4,10 +4,9 @@ A period has one velocity. Accelerations are differences of these over the perio
 angles as they are sent out, and not for a continuous motion that would lie behind them.
 """
 
-from __future__ import annotations
-
 import math
 
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
 from srs_ik.kernels.layout.track import ACCELERATION, PERIOD, SPEED
@@ -20,7 +19,6 @@ PUSH = 1.0 - 1e-6
 
 RUN = 1.0 - 1e-9
 """Share of the largest velocity that is used."""
-
 
 NO_END = 1e3
 """A joint that may go on this far, rad, is nowhere near an end."""
@@ -53,27 +51,17 @@ def bound(P, C, q, v, joint, side):
 @kernel
 def bounds(P, C, q, v, side):
     """`bound` of all joints."""
-    return (
-        bound(P, C, q, v, 0, side),
-        bound(P, C, q, v, 1, side),
-        bound(P, C, q, v, 2, side),
-        bound(P, C, q, v, 3, side),
-        bound(P, C, q, v, 4, side),
-        bound(P, C, q, v, 5, side),
-        bound(P, C, q, v, 6, side),
-    )
+    found = row(scratch(1, 7), 0)
+    for joint in range(7):
+        found[joint] = bound(P, C, q, v, joint, side)
+    return read7(found)
 
 
 @kernel
 def toward(C, joint, q, goal, rate):
     """The velocity that brings a joint to a goal in the shortest time and stops it there, relative to the goal's own.
 
-    Args:
-        C: settings.
-        joint: 0 to 6.
-        q: where the joint is, rad.
-        goal: where the goal is at the end of the period, rad.
-        rate: velocity of the goal, rad/s.
+    The goal is where it is at the end of the period, rad, and moves at a rate, rad/s.
     """
     period = C[PERIOD]
     behind = goal - q - period * rate

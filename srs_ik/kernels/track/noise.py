@@ -6,15 +6,14 @@ there is none. Its median over a window does not see jumps: they are a few sampl
 between targets some may be lost, or be expected at every tenth update alone.
 """
 
-from __future__ import annotations
-
 import math
 
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import load_pose, store_pose
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR
-from srs_ik.kernels.track.target import load_pose, store_pose, way_to
+from srs_ik.kernels.track.target import way_to
 
 ENOUGH = 5
 """Targets in a row that make two third differences."""

@@ -5,15 +5,13 @@ each target; what is followed comes after the estimate by its accelerations alon
 velocity and acceleration of the trend, so at constant acceleration neither lags.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.vectors import add, along, load3, scale, sub
+from srs_ik.kernels.algebra.vectors import add, along, load3, load_pose, scale, store_pose, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.track.noise import asked_for, measure, skip
-from srs_ik.kernels.track.target import load_pose, moved_on, part_of_way, store_pose, way_to
+from srs_ik.kernels.track.target import moved_on, part_of_way, way_to
 from srs_ik.kernels.track.trend import coast, forget, last_pace, learn, next_pace
 
 MEMORY = 0.03

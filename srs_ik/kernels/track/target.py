@@ -1,10 +1,8 @@
 """Poses that a tracker keeps, ways between them, and how fast what is followed moves."""
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.vectors import along, cross, dot, norm, rotate, scale
+from srs_ik.kernels.algebra.vectors import along, cross, dot, load_pose, norm, rotate, scale
 from srs_ik.kernels.chain.newton import twist_to
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.track import PACE, PERIOD, ROTATION
@@ -29,22 +27,6 @@ def turned_frame(x, y, turn):
     x = scale(1.0 / norm(x), x)
     y = along(y, -dot(x, y), x)
     return x, scale(1.0 / norm(y), y)
-
-
-@kernel
-def load_pose(S, k):
-    """Rotation and position from place k on."""
-    R = (S[k], S[k + 1], S[k + 2], S[k + 3], S[k + 4], S[k + 5], S[k + 6], S[k + 7], S[k + 8])
-    return R, (S[k + 9], S[k + 10], S[k + 11])
-
-
-@kernel
-def store_pose(S, k, R, p):
-    """Write a rotation and a position from place k on."""
-    for i in range(9):
-        S[k + i] = R[i]
-    for i in range(3):
-        S[k + 9 + i] = p[i]
 
 
 @kernel

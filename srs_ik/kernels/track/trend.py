@@ -7,14 +7,12 @@ are a matter of the jolt.
 Source: E. Brookner, Tracking and Kalman Filtering Made Easy (1998), section 1.3.
 """
 
-from __future__ import annotations
-
 import math
 
-from srs_ik.kernels.algebra.vectors import along, load3, norm
+from srs_ik.kernels.algebra.vectors import along, load3, load_pose, norm, store_pose
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.track import ROTATION, TREND, TREND_JOLT, TREND_PACE, TREND_PUSH
-from srs_ik.kernels.track.target import JUMP, JUMP_TURN, load_pose, moved_on, part_of_way, store_pose, way_to
+from srs_ik.kernels.track.target import JUMP, JUMP_TURN, moved_on, part_of_way, way_to
 
 LASTS = 0.3
 """A jolt is expected to die away with this time constant, seconds."""

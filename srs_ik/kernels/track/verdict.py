@@ -1,12 +1,9 @@
 """What an update says: its status and reason, and the joint that stands out."""
 
-from __future__ import annotations
-
 from srs_ik.kernels.algebra.joint_vectors import apart
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.freedom import out_of_reach
 
 CLOSE = 1e-6

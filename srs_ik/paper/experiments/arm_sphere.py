@@ -9,19 +9,10 @@ import numpy as np
 from srs_ik.inputs.task import Task
 from srs_ik.paper.experiments.drawing import COLOUR, MARK, add_limbs, limb_lines, space
 from srs_ik.paper.experiments.measure import microseconds, posture_figures, solve
-from srs_ik.paper.experiments.setting import (
-    BOTH,
-    SEED,
-    Array,
-    Outcome,
-    Progress,
-    ball,
-    directions,
-    reach,
-    task_directions,
-)
+from srs_ik.paper.experiments.setting import BOTH, SEED, Outcome, Progress, ball, directions, reach, task_directions
 from srs_ik.plots.figure import new_figure
 from srs_ik.solve.posture import Posture
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,9 +10,10 @@ from srs_ik.analysis.ellipsoids import force_velocity_ratio, velocity_ellipsoid
 from srs_ik.inputs.task import Task
 from srs_ik.paper.experiments.drawing import LINE, MARK, SHADES
 from srs_ik.paper.experiments.measure import jacobians, solve, task_ease
-from srs_ik.paper.experiments.setting import BOTH, Array, Outcome, Progress, reach
+from srs_ik.paper.experiments.setting import BOTH, Outcome, Progress, reach
 from srs_ik.plots.figure import new_figure
 from srs_ik.solve.posture import Side
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

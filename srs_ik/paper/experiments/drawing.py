@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.paper.experiments.setting import Array
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.posture import Posture

@@ -17,9 +17,10 @@ from srs_ik.paper.experiments.measure import (
     solve,
     summary,
 )
-from srs_ik.paper.experiments.setting import BOTH, SEED, Array, Outcome, Progress, ball, reach, task_directions
+from srs_ik.paper.experiments.setting import BOTH, SEED, Outcome, Progress, ball, reach, task_directions
 from srs_ik.plots.figure import new_figure
 from srs_ik.solve.posture import Side
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srs_ik.analysis.ellipsoids import force_velocity_ratio, velocity_ellipsoid
-from srs_ik.paper.experiments.setting import Array, unit
+from srs_ik.paper.experiments.setting import unit
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

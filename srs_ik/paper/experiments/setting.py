@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solve.posture import Side
 
-Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 """Is told the share of an experiment that is done, from 0 to 1."""
 
@@ -30,10 +30,8 @@ EXTENSION = 0.5 / 0.79
 class Outcome(NamedTuple):
     """What an experiment found."""
 
-    figures: dict[str, Any]
-    """Numbers, by name; arrays where a figure draws them."""
-    draw: Callable[[], Figure]
-    """Makes the picture; needs Matplotlib."""
+    figures: dict[str, Any]  # numbers, by name; arrays where a figure draws them
+    draw: Callable[[], Figure]  # makes the picture; needs Matplotlib
 
 
 def reach(arm: Arm) -> float:

@@ -9,9 +9,10 @@ import numpy as np
 from srs_ik.inputs.task import Task
 from srs_ik.paper.experiments.drawing import COLOUR
 from srs_ik.paper.experiments.measure import task_ease
-from srs_ik.paper.experiments.setting import Array, Outcome, Progress
+from srs_ik.paper.experiments.setting import Outcome, Progress
 from srs_ik.plots.figure import new_figure
 from srs_ik.solve.posture import Tie
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,14 +25,10 @@ class Snapshot(NamedTuple):
     """One moment of a step, in the x-z plane: x is forward, the hip is the shoulder of the arm."""
 
     name: str
-    phase: float
-    """Share of the cycle that has passed since toe-off."""
-    leg_angle: float
-    """Of the ankle, forward from straight down, degrees."""
-    extension: float
-    """Distance from hip to ankle over that of the straight leg."""
-    force_angle: float
-    """Of the direction in which the foot bears, backward from straight up, degrees."""
+    phase: float  # share of the cycle that has passed since toe-off
+    leg_angle: float  # of the ankle, forward from straight down, degrees
+    extension: float  # distance from hip to ankle over that of the straight leg
+    force_angle: float  # of the direction in which the foot bears, backward from straight up, degrees
 
 
 SNAPSHOTS = (

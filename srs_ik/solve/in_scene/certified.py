@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.collision.reaches import TOUCH, Hinge, Rates, Spinning
 from srs_ik.kernels.entries import collision as entries
@@ -23,6 +22,7 @@ from srs_ik.kernels.layout import shapes as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.in_scene.spans import Span, certify, common, merged, turned, width, without
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from srs_ik.collision.tables import Tables
     from srs_ik.solve.packed import PackedArm
 
-Array = NDArray[np.float64]
 Look = Callable[[float, float], float]
 
 _ROOM = 256

@@ -9,20 +9,17 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.layout import collision as at
 from srs_ik.solve.solution import Collision
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
-
-Array = NDArray[np.float64]
 
 
 class EdgeHit(NamedTuple):
     """What is in the way of a line."""
 
-    line: int
-    """From this posture of the path to the next."""
-    at: float
-    """Where on it, 0 to 1."""
+    line: int  # from this posture of the path to the next
+    at: float  # where on it, 0 to 1
     collision: Collision
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
@@ -22,11 +22,10 @@ from srs_ik.solve.in_scene import pose as in_scene
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.solution import BatchSolution, Collision, Solution, Status
 from srs_ik.solve.threads import run_in_threads
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
-
-Array = NDArray[np.float64]
 
 TURNS = 48
 TURNS_OF_CONE = 144

@@ -6,16 +6,14 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.collision.ranges import JointRange
 from srs_ik.solve.packed import pack_family
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 _MOST_MARGINS = 16
 """For so many margins at most, limits are kept."""

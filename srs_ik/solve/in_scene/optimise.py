@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.kernels.layout import collision as at
@@ -18,12 +17,11 @@ from srs_ik.solve.objectives import CLEARANCE, Objective
 from srs_ik.solve.optimise import Optimum
 from srs_ik.solve.solution import Interval, Solution
 from srs_ik.solve.turns import OverTurns
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 
 def optimise(

@@ -22,8 +22,7 @@ from srs_ik.solve.path.rows import joint_steps, rows_of
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 ROOM = 1e-3
 """What is asked for beyond the margin at each pose, m: right on the margin nothing can be certified."""

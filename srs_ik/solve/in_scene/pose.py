@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import (
@@ -30,11 +30,10 @@ from srs_ik.solve.in_scene.surroundings import chosen, narrowed
 from srs_ik.solve.intervals import IntervalsBatch, gathered
 from srs_ik.solve.solution import BatchSolution, Collision, Solution, Solutions, Status
 from srs_ik.solve.threads import run_in_threads
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
-
-Array = NDArray[np.float64]
 
 _WIDE_ENOUGH = 1e-3
 """Of postures that all hit something, one whose clearance is this near to the largest is given, m."""

@@ -10,16 +10,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.collision.reaches import TOUCH
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.in_scene.spans import FINEST, certify, merged, turned, without
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.certified import Shapes
-
-Array = NDArray[np.float64]
 
 LONGEST = 0.25
 """Longest step, rad."""
@@ -53,10 +51,8 @@ def kept_apart(shapes: Shapes, T: Array, free: Array, in_range: Array) -> Array:
 class _Spot(NamedTuple):
     """The arm at one arm angle."""
 
-    frames: Array
-    """(8, 4, 4) of its joints."""
-    second: Array
-    """(n, 4, 4) where the second body of each pair is for the first one."""
+    frames: Array  # (8, 4, 4) of its joints
+    second: Array  # (n, 4, 4) where the second body of each pair is for the first one
 
 
 class _Curve:

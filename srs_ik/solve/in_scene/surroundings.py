@@ -21,14 +21,13 @@ from srs_ik.solve.in_scene.certified import Shapes, certified_free, marched
 from srs_ik.solve.in_scene.limits import Cut, Limits, cut_limits
 from srs_ik.solve.in_scene.ranged import kept_apart
 from srs_ik.solve.solution import Collision, Status
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.collision.real_world import RealWorld
     from srs_ik.collision.tables import Tables
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 
 _LITTLE = 1e-3

@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from srs_ik.inputs.poses import as_seeds, seed_of
@@ -21,13 +21,12 @@ from srs_ik.solve.in_scene.pose import best, solve
 from srs_ik.solve.in_scene.surroundings import narrowed
 from srs_ik.solve.solution import Collision, Solution, Status
 from srs_ik.solve.task import BatchTaskSolution, TaskSolution, poses_of
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
     from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.posture import Side, Tie
-
-Array = NDArray[np.float64]
 
 ROLLS = 24
 """Rolls of the hand that are tried where one is free."""

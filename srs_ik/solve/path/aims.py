@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.solve.path.least_step import least_largest_step
 from srs_ik.solve.path.limited import search
 from srs_ik.solve.path.problem import LARGEST_STEP, Problem, Way, evenly, steps_of, worth
 from srs_ik.solve.path.timing import passing_times
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 STARTS = 6
 """Most postures at which a closed path is tried to begin."""

@@ -38,12 +38,11 @@ from srs_ik.solve.path.wide import in_fewest_turns
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import interruptible
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 LONGEST_STEP = 0.5
 """Default of the longest joint step that counts as continuous, rad."""

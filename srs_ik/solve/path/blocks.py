@@ -27,8 +27,7 @@ from srs_ik.kernels.layout.path import (
     STRIP_LEAST,
 )
 from srs_ik.solve.path.problem import Problem, Stopped, Wall, Way
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 BLOCK_NODES = 4 * MOST_NODES
 BLOCK_STRIPS = 4 * MOST_STRIPS

@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import BY_CONTINUITY, CELL, WORTH, WORTH_BEGIN, WORTH_END, WORTH_SAG
 from srs_ik.solve.path.problem import TIME, Problem
 from srs_ik.solve.path.reach import Cells, after, least_through, passed, posture_cell
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 LENGTHS = (0.4, 0.15, 0.06, 0.025, 0.01)
 """Longest cells, rad, from round to round."""

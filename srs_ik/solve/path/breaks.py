@@ -6,18 +6,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.path.blocks import find_way
 from srs_ik.solve.path.problem import JUST_ABOVE, Problem, Wall, Way
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 LOOKED_AT = 24
 """So many postures before a wall are asked at most what stops them."""

@@ -19,11 +19,10 @@ from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PS
 from srs_ik.solve.path.blocks import Block
 from srs_ik.solve.path.problem import Problem, Way
 from srs_ik.solve.pose import solve_all
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 MOST_STARTS = 24
 """So many postures of a pose are taken to the next one at most, ..."""

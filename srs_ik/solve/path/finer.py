@@ -13,8 +13,7 @@ from srs_ik.solve.path.blocks import held_in, through
 from srs_ik.solve.path.narrow import costs_to_end, held_below
 from srs_ik.solve.path.polish import improve
 from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, Problem, Way, worth
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 PARTS = np.array([0.25, 0.5, 0.75])
 THIRDS = np.array([1.0, 2.0]) / 3.0

@@ -30,12 +30,12 @@ from srs_ik.solve.path.rows import joint_steps
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import tell
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
     from srs_ik.solve.path.solution import PathSolution
 
-Array = NDArray[np.float64]
 Keys = NDArray[np.int64]
 
 ROLLS, MOST_TURNS = 16, 24

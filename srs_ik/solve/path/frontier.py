@@ -19,8 +19,8 @@ from srs_ik.solve.freedom import met_batch, solve_batch
 from srs_ik.solve.path.problem import Problem, steps_of
 from srs_ik.solve.path.relaxed import ways_of
 from srs_ik.solve.threads import tell
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Keys = NDArray[np.int64]
 
 KEPT, SEARCHED = 64, 256

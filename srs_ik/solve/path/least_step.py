@@ -31,8 +31,7 @@ from srs_ik.solve.path.limited import search
 from srs_ik.solve.path.polish import FINE, polish, refine
 from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, SUM_OF_SQUARES, Problem, Way, copy, worth
 from srs_ik.solve.path.reach import Cells, after, least_through, passed, reached
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 LEVELS = 3
 """Cells are made finer one time less at most."""

@@ -17,8 +17,8 @@ from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import HELD_LINKED, NODE_SAG, STRIP_FIRST, STRIP_LEAST
 from srs_ik.solve.path.blocks import Block, Carry, carried, through
 from srs_ik.solve.path.problem import EVERYWHERE, NEAR_SPACING, Problem, Stopped, Way, steps_of
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]
 
 SAGGED = 0.25

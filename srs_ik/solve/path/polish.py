@@ -21,8 +21,8 @@ from srs_ik.solve.path.problem import (
     too_fast,
     worth,
 )
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Breaks = NDArray[np.bool_]
 
 WIDTHS = np.array([0.12, 0.04])

@@ -25,13 +25,12 @@ from srs_ik.kernels.layout.path import (
 )
 from srs_ik.solve.pose import solve, solve_all
 from srs_ik.solve.threads import Stop
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
     from srs_ik.solve.solution import Solution, Solutions
-
-Array = NDArray[np.float64]
 
 SUM_OF_SQUARES = "sum_of_squares"
 LARGEST_STEP = "largest_step"

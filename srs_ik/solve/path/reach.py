@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import CELL
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 ROUNDING = 1e-9
 """Of a part of a cell."""

@@ -8,14 +8,12 @@ Each posture is then the nearest of its pose to where the step leads.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.inputs.freedom import FreeAxis
 from srs_ik.solve.freedom import met_batch
 from srs_ik.solve.kinematics import forward_kinematics_batch, jacobian_batch
 from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 ROUNDS, STEPS, HALVINGS = 12, 12, 3
 """Most rounds, steps of a round, and how often one that gains nothing is made half as long."""

@@ -7,18 +7,16 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.path.problem import Problem, Way, limbs_of, steps_of
 from srs_ik.solve.solution import Status
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 ON_POSE = 1e-10
 """A posture that is farther off its pose than this, m and rad, is taken to it once more."""

@@ -21,8 +21,6 @@ from srs_ik.solve.path.odd import is_odd, smoothed_leaps, turned_at_flat
 from srs_ik.solve.path.polish import FINE, ROUGHLY, WIDTHS, improve
 from srs_ik.solve.path.problem import Problem, Way, copy, worth
 
-Array = NDArray[np.float64]
-
 SHORT = 32
 """A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BY_VELOCITY
 from srs_ik.solve.path.bound import least_largest, least_sum
@@ -15,8 +14,7 @@ from srs_ik.solve.path.breaks import PathBreak
 from srs_ik.solve.path.problem import JUST_ABOVE, LARGEST_STEP, Problem, objective_of, steps_of
 from srs_ik.solve.path.timing import passing_times
 from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 class PathSolution(BatchSolution):

@@ -9,9 +9,8 @@ measure them. All times are stretched by what the derivatives of the path by its
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 STILL = 1e-12
 """Joint steps and speeds below this are none."""

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.path.problem import Problem, steps_of
 from srs_ik.solve.solution import Status
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 
 def unwound(problem: Problem, rows: Array) -> Array:

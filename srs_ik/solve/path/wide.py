@@ -19,8 +19,8 @@ from srs_ik.solve.path.problem import Problem, Way, breaks_in
 from srs_ik.solve.path.rows import rows_of
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
+from srs_ik.system.arrays import Array
 
-Array = NDArray[np.float64]
 Joints = NDArray[np.bool_]
 
 TURN = 2.0 * np.pi

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import as_arm_angle
@@ -16,12 +15,11 @@ from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.collision import WIDE_CLEARANCE
 from srs_ik.kernels.layout.objectives import PARAMS
 from srs_ik.solve.objectives import Objective
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 LOOK = (-0.24, -0.12, 0.0, 0.12, 0.24)
 """Arm angles, from the present one, whose clearance is compared, rad."""

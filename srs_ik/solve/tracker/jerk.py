@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.errors import MissingExtra
-
-Array = NDArray[np.float64]
+from srs_ik.system.arrays import Array
 
 SHARE = 1.0 - 1e-3
 """Share of the limits that Ruckig is given: its motions are exact to some 1e-10 rad, which differences magnify."""

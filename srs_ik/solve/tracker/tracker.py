@@ -8,7 +8,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
 from srs_ik.inputs.fixed import Fixed
@@ -24,12 +24,11 @@ from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
 from srs_ik.solve.tracker.elbow import chosen
 from srs_ik.solve.tracker.jerk import JerkFilter
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.solve.packed import PackedArm
-
-Array = NDArray[np.float64]
 
 SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 100.0
 MOST = {"velocity": 1e6, "acceleration": 1e9, "jerk": 1e12}

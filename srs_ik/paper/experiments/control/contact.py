@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srs_ik.paper.experiments.control.setting import COLOURS, DAMPING, NAMES, home, make, near_home, settled
-from srs_ik.paper.experiments.setting import SEED, Array, Outcome, Progress
+from srs_ik.paper.experiments.setting import SEED, Outcome, Progress
 from srs_ik.plots.figure import new_figure
 from srs_ik.sim import Payload, Peg, Plant, Record, Wall, World, simulate
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,8 +10,9 @@ from srs_ik.control import ForceProfile
 from srs_ik.control.one_axis import free_response, sampled_response
 from srs_ik.control.profile import Law
 from srs_ik.paper.experiments.control.setting import PUBLISHED_ELBOW, PUBLISHED_TIP, SIMULATED_ELBOW, SIMULATED_TIP
-from srs_ik.paper.experiments.setting import Array, Outcome, Progress
+from srs_ik.paper.experiments.setting import Outcome, Progress
 from srs_ik.plots.figure import new_figure
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,10 +9,11 @@ import pinocchio as pin
 
 from srs_ik.loading import load
 from srs_ik.paper.experiments.control.setting import home
-from srs_ik.paper.experiments.setting import SEED, Array, Outcome, Progress
+from srs_ik.paper.experiments.setting import SEED, Outcome, Progress
 from srs_ik.plots.figure import new_figure
 from srs_ik.sim import Plant
 from srs_ik.sim.plant import TIMESTEP
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,9 +10,10 @@ import numpy as np
 from srs_ik.control import ForceProfile
 from srs_ik.control.profile import Law
 from srs_ik.paper.experiments.control.setting import ELBOW, PUBLISHED_TIP, TIP, fractal, home, make, near_home
-from srs_ik.paper.experiments.setting import SEED, Array, Outcome, Progress, directions
+from srs_ik.paper.experiments.setting import SEED, Outcome, Progress, directions
 from srs_ik.plots.figure import new_figure
 from srs_ik.sim import Plant, simulate
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

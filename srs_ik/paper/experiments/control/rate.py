@@ -8,9 +8,10 @@ import numpy as np
 import pinocchio as pin
 
 from srs_ik.paper.experiments.control.setting import DAMPING, ELBOW, NAMES, TIP, TURN, home, make
-from srs_ik.paper.experiments.setting import Array, Outcome, Progress
+from srs_ik.paper.experiments.setting import Outcome, Progress
 from srs_ik.plots.figure import new_figure
 from srs_ik.sim import Plant, simulate
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

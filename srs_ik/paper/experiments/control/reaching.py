@@ -17,10 +17,11 @@ from srs_ik.paper.experiments.control.setting import (
     speed_peaks,
     straightness,
 )
-from srs_ik.paper.experiments.setting import Array, Outcome, Progress
+from srs_ik.paper.experiments.setting import Outcome, Progress
 from srs_ik.plots.figure import new_figure
 from srs_ik.sim import Plant, simulate
 from srs_ik.sim.plant import TIMESTEP
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

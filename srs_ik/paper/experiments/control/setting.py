@@ -9,8 +9,8 @@ import numpy as np
 from srs_ik.control import ForceProfile, FractalImpedance, TorqueController
 from srs_ik.control.baselines import Gains, JointImpedance, LinearImpedance, OperationalSpace
 from srs_ik.control.profile import Law
-from srs_ik.paper.experiments.setting import Array
 from srs_ik.sim import Record
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

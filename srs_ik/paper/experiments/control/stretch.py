@@ -10,9 +10,10 @@ from scipy.optimize import minimize
 from srs_ik.control import FractalImpedance, TorqueController
 from srs_ik.control.planners import minimum_jerk
 from srs_ik.paper.experiments.control.setting import COLOURS, DAMPING, NAMES, TIP, fractal, home, make, near_home
-from srs_ik.paper.experiments.setting import SEED, Array, Outcome, Progress, directions
+from srs_ik.paper.experiments.setting import SEED, Outcome, Progress, directions
 from srs_ik.plots.figure import new_figure
 from srs_ik.sim import Plant, Record, simulate
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,12 +28,9 @@ ALL = {**OWN, "braked": 20, "linear": 5, "operational": 5, "operational_pinv": 5
 class Motion(NamedTuple):
     """How the target moves."""
 
-    far: float
-    """Farthest target, in distances from shoulder to wrist with the elbow straight."""
-    out: float
-    """Seconds on the way out, and again on the way back."""
-    runs: dict[str, int]
-    """Seeds by controller."""
+    far: float  # farthest target, in distances from shoulder to wrist with the elbow straight
+    out: float  # seconds on the way out, and again on the way back
+    runs: dict[str, int]  # seeds by controller
 
 
 MOTIONS = {

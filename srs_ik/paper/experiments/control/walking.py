@@ -13,10 +13,11 @@ from srs_ik.inputs.task import Task
 from srs_ik.loading import load
 from srs_ik.paper.experiments.control.human import ARMATURE, LIMB
 from srs_ik.paper.experiments.control.setting import DAMPING, fractal
-from srs_ik.paper.experiments.setting import SEED, Array, Outcome, Progress, ball, reach, task_directions
+from srs_ik.paper.experiments.setting import SEED, Outcome, Progress, ball, reach, task_directions
 from srs_ik.paper.experiments.walking import SNAPSHOTS
 from srs_ik.plots.figure import new_figure
 from srs_ik.sim import Plant, Record, simulate
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
