@@ -35,7 +35,7 @@ def curves_of(family, T, J, A, rows, curves):
     R, p, _ = read_pose(row(T, 0))
     P = row(family, 0)
     place_ = place(P, R, p)
-    count, _ = follow_all(P, Setting(Target(R, p, place_), elbow_side(P, place_, 0), False, J, A), rows, curves)
+    count, _ = follow_all(P, Setting(Target(R, p, place_), elbow_side(P, place_, 0), False, J, A), 0b1111, rows, curves)
     return count
 
 

@@ -339,7 +339,7 @@ def follow(P, by, q, t, way, rows, n):
         t = next_t
         length += step
         n = put(rows, n, length, q)
-        step = in_step.step_after(step, cosine)
+        step = in_step.step_after(step, cosine, in_step.LONGEST_STEP)
     return n, False, q, t
 
 

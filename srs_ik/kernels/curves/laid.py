@@ -180,7 +180,7 @@ def lay_predicted(around, ends, n_ends, gaps, out):
             n, count = lay_stretch(nodes, used, False, work, (rows, curves, n, count))
     for signs in range(4):
         first = outreach.MOST_TURNS * signs
-        if n >= 0 and (ended >> signs) & 1 == 0 and reaches[first, outreach.REACH_ROOM] > 0.0:
+        if n >= 0 and turns[signs] > 0 and (ended >> signs) & 1 == 0 and reaches[first, outreach.REACH_ROOM] > 0.0:
             for k in range(turns[signs] + 1):
                 outreach.copy_reach(reaches, first + k % turns[signs], nodes, k)
             n, count = lay_stretch(nodes, turns[signs] + 1, True, work, (rows, curves, n, count))
@@ -211,10 +211,10 @@ def is_curve(rows, ways, first, last):
 
 @kernel
 def lay_curves(P, by, around, rows, curves):
-    """Lay out all curves of a pose whose elbow is almost straight; their number, -1 where they have to be followed.
+    """Lay out the curves of a pose whose elbow is almost straight; their number, -1 where they have to be followed.
 
-    For poses with shoulder and wrist away from singular at all turns. `around` is what is known there (`put_reaches`),
-    and how many these are for each pair of signs; others are put between them.
+    With all signs of shoulder and wrist for which there are turns, at all of which these are away from singular.
+    `around` is what is known there (`put_reaches`); other turns are put between them.
     """
     ends, gaps = np.empty((outreach.MOST_ENDS, outreach.REACH)), np.empty(outreach.MOST_ENDS)
     outreach.insert_turns(P, by, around)

@@ -106,10 +106,9 @@ def find_passed(P, before, after, which, marks, count):
 
 @kernel
 def load_lane(lanes, i, mark):
-    """Begin to follow a curve at a mark."""
-    copy(mark, row(lanes, i), 14)
-    for c in range(in_step.LANE_BEND, in_step.LANE_STEP):
-        lanes[i, c] = 0.0
+    """Begin to follow a curve at a mark: straight on."""
+    copy(mark, row(lanes, i), in_step.LANE_BEFORE)
+    copy(mark, row(lanes[i], in_step.LANE_BEFORE), in_step.LANE_BEFORE)
     lanes[i, in_step.LANE_STEP] = in_step.LONGEST_STEP
 
 
@@ -127,8 +126,11 @@ def keep_piece(line, first, n, pieces, used, mark, following):
 
 
 @kernel
-def follow_marks(P, target, marks, starts, pieces):
-    """Follow the curve of each of the first marks (`starts` of them) to the next of all, into rows of pieces."""
+def follow_marks(P, target, longest, marks, starts, pieces):
+    """Follow the curve of each of the first marks (`starts` of them) to the next of all, into rows of pieces.
+
+    In steps no longer than given, rad.
+    """
     count = marks.shape[0]
     lanes = np.empty((8, in_step.LANE))
     after = np.empty((8, in_step.LANE))
@@ -171,10 +173,9 @@ def follow_marks(P, target, marks, starts, pieces):
                     done = True
                 else:
                     in_step.put_sample(line, first + n, x + step, read7(row(after, i)))
-                    for j in range(7):
-                        lanes[i, in_step.LANE_BEND + j] = (after[i, 7 + j] - lanes[i, 7 + j]) / step
-                    copy(row(after, i), row(lanes, i), 14)
-                    lanes[i, in_step.LANE_STEP] = in_step.step_after(step, one_of(cosine, i))
+                    copy(row(lanes, i), row(lanes[i], in_step.LANE_BEFORE), in_step.LANE_BEFORE)
+                    copy(row(after, i), row(lanes, i), in_step.LANE_BEFORE)
+                    lanes[i, in_step.LANE_STEP] = in_step.step_after(step, one_of(cosine, i), longest)
                     done = n + 2 >= LONGEST_PIECE
                 length[i] = n + 1
             if done:

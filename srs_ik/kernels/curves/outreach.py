@@ -34,6 +34,9 @@ TURNS = 16
 MOST_TURNS = TURNS + 2
 """Turns, all around, at which reaches are looked at, and room for others between them."""
 
+EVERY_PAIR = 0b1111
+"""The pairs of signs of shoulder and wrist, as bits."""
+
 REACH = 23
 REACH_ROOM, REACH_RISE, REACH_TURNING, REACH_BENDING = 7, 8, 9, 16
 """What is known at a turn: the joint angles of the best bend; the room, rad squared, and its rise with the turn; the
@@ -146,20 +149,29 @@ def curvature_of(P, level):
 
 
 @kernel
-def put_reaches(P, target, reaches):
-    """Write what is known at all turns (`REACH`), for each pair of signs of shoulder and wrist one turn after another.
+def reaches_around():
+    """Room for what is known at all turns (`REACH`), and how many these are for each pair of signs."""
+    return np.empty((4 * MOST_TURNS, REACH)), np.zeros(4, np.int64)
 
-    Each pair has MOST_TURNS rows, of which TURNS are written. Returns as bits the pairs for which it is known, and
-    those whose shoulder and wrist are away from singular.
+
+@kernel
+def put_reaches(P, target, which, around):
+    """Write what is known at all turns (`REACH`), for pairs of signs of shoulder and wrist one turn after another.
+
+    Of those pairs that are named by bits. `around` is for that and for the number of turns of each pair, which has
+    MOST_TURNS rows. Returns as bits the pairs for which it is known, and those whose shoulder and wrist are away from
+    singular.
     """
+    reaches, turns = around
     level = level_place(target.place)
     curvature = curvature_of(P, level)
     sides = elbow_side(P, level, 0), elbow_side(P, level, 1)
     near = CLEAR * almost_straight(P)
     eight = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
-    known = clear = 0b1111
+    known = clear = which
     for signs in range(4):
-        for first in range(0, TURNS, 8):
+        turns[signs] = TURNS if (which >> signs) & 1 == 1 else 0
+        for first in range(0, turns[signs], 8):
             c, s = turn(2.0 * math.pi / TURNS * (eight + first))
             q, sure = eight_postures(P, sides, 0.0 * eight + signs, c, s)
             q, room, rise, turning, bending, met = best_bends(P, target, q, curvature, False)
@@ -219,8 +231,9 @@ def pairs_on_line(P, target):
     """
     if P[NEAR] < SHORTEST:
         return 0b1111
-    reaches = np.empty((4 * MOST_TURNS, REACH))
-    _, told = put_reaches(P, target, reaches)
+    around = reaches_around()
+    reaches = around[0]
+    _, told = put_reaches(P, target, EVERY_PAIR, around)
     pairs = 0b1111
     for signs in range(4):
         first = MOST_TURNS * signs

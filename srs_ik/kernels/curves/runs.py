@@ -19,6 +19,7 @@ from srs_ik.kernels.curves.follow import BLURRED, CURVE, put
 from srs_ik.kernels.curves.gaps import MOST_TURNS, WAY, WAY_TOLD, put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
 from srs_ik.kernels.curves.lowest import dip_near
+from srs_ik.kernels.curves.outreach import EVERY_PAIR
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs, Samples, Setting
@@ -241,13 +242,13 @@ def survey_curves(P, by, rows, curves, line, out):
 
 
 @kernel
-def certain_runs(P, by, runs):
-    """`near_runs`, and whether these are all there are for certain."""
+def certain_runs(P, by, which, runs):
+    """`near_runs` of some pairs of signs (`follow_all`), and of which of them these are all there are for certain."""
     curves = np.empty((MAX_CURVES, CURVE))
     followed = np.empty((CURVE_ROWS, SAMPLE))
     rows = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
     line = np.empty((CURVE_ROWS, SAMPLE))
-    count, certain = follow_all(P, by, followed, curves)
+    count, certain = follow_all(P, by, which, followed, curves)
     n, k = survey_curves(P, by, followed, curves[:count], line, Runs(rows, runs))
     return (rows, n, k, line), certain
 
@@ -255,7 +256,7 @@ def certain_runs(P, by, runs):
 @kernel
 def near_runs(P, by, runs):
     """Sample all feasible postures of a near limb: samples, rows and runs in use, and spare rows for one curve."""
-    sampled, _ = certain_runs(P, by, runs)
+    sampled, _ = certain_runs(P, by, EVERY_PAIR, runs)
     return sampled
 
 
