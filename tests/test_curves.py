@@ -44,7 +44,7 @@ def followed(arm, pose):
     rows, curves = np.empty((8192, SAMPLE)), np.empty((MAX_CURVES, CURVE))
     T = np.ascontiguousarray(pose.homogeneous)[None]
     count = curves_of(arm.packed.family, T, np.empty((6, 7)), np.empty((16, 9)), rows, curves)
-    return [(rows[int(first) : int(last), 1:], closed == 1.0) for first, last, closed in curves[:count]]
+    return [(rows[int(first) : int(last), 1:8], closed == 1.0) for first, last, closed in curves[:count]]
 
 
 def away(angles):

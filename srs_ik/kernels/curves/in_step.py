@@ -15,8 +15,9 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 
-SAMPLE = 8
-"""A sample of a curve: its parameter, and seven joint angles."""
+SAMPLE = 15
+SAMPLE_WAY = 8
+"""A sample of a curve: its parameter, seven joint angles, and the unit vector along the curve, nothing if not known."""
 
 LONGEST_STEP = 0.3
 """Length of a step, rad."""
@@ -80,6 +81,12 @@ LANE_STEP = 28
 
 
 @kernel
+def are_ways(t):
+    """Which of eight vectors along curves are known, as bits; where several joints are singular at once, none is."""
+    return as_bits(dot7(t, t) > 0.5)
+
+
+@kernel
 def load_sample(sample):
     """Joint angles of a sample."""
     return (sample[1], sample[2], sample[3], sample[4], sample[5], sample[6], sample[7])
@@ -87,10 +94,22 @@ def load_sample(sample):
 
 @kernel
 def put_sample(rows, n, x, q):
-    """Write a sample into row n."""
+    """Write a sample into row n, whose way is not known."""
+    put_on_way(rows, n, x, q, NO_SEED)
+
+
+@kernel
+def put_on_way(rows, n, x, q, t):
+    """Write a sample into row n, with the unit vector along the curve."""
     rows[n, 0] = x
     for j in range(7):
-        rows[n, 1 + j] = q[j]
+        rows[n, 1 + j], rows[n, SAMPLE_WAY + j] = q[j], t[j]
+
+
+@kernel
+def way_of_sample(sample):
+    """The unit vector along the curve at a sample; nothing where it is not known."""
+    return (sample[8], sample[9], sample[10], sample[11], sample[12], sample[13], sample[14])
 
 
 @kernel

@@ -113,6 +113,13 @@ def load_lane(lanes, i, mark):
 
 
 @kernel
+def put_at_mark(line, n, x, mark):
+    """Write a sample with the joint angles and the way of a mark, or of a lane."""
+    line[n, 0] = x
+    copy(mark, row(line[n], 1), MARK_NEXT)
+
+
+@kernel
 def keep_piece(line, first, n, pieces, used, mark, following):
     """Copy a piece to where all are kept, for its mark; return the rows in use."""
     mark[MARK_NEXT] = following
@@ -145,7 +152,7 @@ def follow_marks(P, target, longest, marks, starts, pieces):
         load_lane(lanes, i, marks[min(waiting, starts - 1)])
         if waiting < starts:
             mark_of[i], length[i] = waiting, 1
-            in_step.put_sample(line, i * LONGEST_PIECE, 0.0, read7(marks[waiting]))
+            put_at_mark(line, i * LONGEST_PIECE, 0.0, marks[waiting])
             alive |= 1 << i
             waiting += 1
     while alive != 0:
@@ -169,10 +176,10 @@ def follow_marks(P, target, longest, marks, starts, pieces):
                 x = line[first + n - 1, 0]
                 following = int(one_of(passed, i))
                 if following >= 0:
-                    in_step.put_sample(line, first + n, x + one_of(shares, i) * step, read7(marks[following]))
+                    put_at_mark(line, first + n, x + one_of(shares, i) * step, marks[following])
                     done = True
                 else:
-                    in_step.put_sample(line, first + n, x + step, read7(row(after, i)))
+                    put_at_mark(line, first + n, x + step, after[i])
                     copy(row(lanes, i), row(lanes[i], in_step.LANE_BEFORE), in_step.LANE_BEFORE)
                     copy(row(after, i), row(lanes, i), in_step.LANE_BEFORE)
                     lanes[i, in_step.LANE_STEP] = in_step.step_after(step, one_of(cosine, i), longest)
@@ -184,7 +191,7 @@ def follow_marks(P, target, longest, marks, starts, pieces):
                 if waiting < starts:
                     load_lane(lanes, i, marks[waiting])
                     mark_of[i], length[i] = waiting, 1
-                    in_step.put_sample(line, first, 0.0, read7(marks[waiting]))
+                    put_at_mark(line, first, 0.0, marks[waiting])
                     alive |= 1 << i
                     waiting += 1
     keep(lanes)
@@ -234,7 +241,8 @@ def join_pieces(marks, count, pieces, rows, curves):
                 for i in range(int(marks[at, MARK_FIRST]), int(marks[at, MARK_LAST])):
                     # The last posture of a piece is the first one of the next.
                     if (n == first or i > int(marks[at, MARK_FIRST])) and n < rows.shape[0]:
-                        in_step.put_sample(rows, n, length + pieces[i, 0], in_step.load_sample(pieces[i]))
+                        copy(row(pieces, i), row(rows, n), in_step.SAMPLE)
+                        rows[n, 0] += length
                         n += 1
                 if n > first:
                     length = rows[n - 1, 0]

@@ -12,14 +12,14 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.eight import ALL
+from srs_ik.kernels.algebra.eight import ALL, larger
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, scatter
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.vectors import along, cross, dot, scale
-from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
+from srs_ik.kernels.chain.eight import highest, put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import largest, reduced, turned_by_all, with_wrist
 from srs_ik.kernels.chain.starts import almost_straight
 from srs_ik.kernels.jit import kernel
@@ -53,7 +53,8 @@ LEAST_BEND = 5e-5
 the greatest reach tells then by itself what there is around it (`rank_five`)."""
 
 CLEAR = 2.0
-"""Where the elbow is almost straight, shoulder and wrist are clear of singularities that are so many bends away."""
+"""Where the elbow is almost straight, shoulder and wrist are clear of singularities that are so many times its widest
+bend at the pose away, and the widest at any pose."""
 
 ALMOST = 1.2
 """A bend wider by this than what may be straight is clear of it."""
@@ -166,11 +167,11 @@ def put_reaches(P, target, which, around):
     level = level_place(target.place)
     curvature = curvature_of(P, level)
     sides = elbow_side(P, level, 0), elbow_side(P, level, 1)
-    near = CLEAR * almost_straight(P)
     eight = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
     known = clear = which
     for signs in range(4):
         turns[signs] = TURNS if (which >> signs) & 1 == 1 else 0
+        most, least = 0.0, 1.0
         for first in range(0, turns[signs], 8):
             c, s = turn(2.0 * math.pi / TURNS * (eight + first))
             q, sure = eight_postures(P, sides, 0.0 * eight + signs, c, s)
@@ -179,8 +180,10 @@ def put_reaches(P, target, which, around):
             s2, _, s6 = sines_of_eight(P, q)
             if sure & met != ALL:
                 known &= ~(1 << signs)
-            if as_bits((abs(s2) > near) & (abs(s6) > near)) != ALL:
-                clear &= ~(1 << signs)
+            most, least = max(most, highest(room)), min(least, -highest(larger(-abs(s2), -abs(s6))))
+        # No number is not clear.
+        if not least > max(almost_straight(P), CLEAR * math.sqrt(most)):
+            clear &= ~(1 << signs)
     return known, known & clear
 
 

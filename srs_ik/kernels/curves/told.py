@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, one_of, root, scatter
@@ -15,7 +16,17 @@ from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.newton_eight import curve_ways, reduced
 from srs_ik.kernels.curves.follow import between, correct, tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, between_eight, load_sample, on_cubic, on_way, one_of_seven, short_ways
+from srs_ik.kernels.curves.in_step import (
+    SAMPLE,
+    SAMPLE_WAY,
+    are_ways,
+    between_eight,
+    load_sample,
+    on_cubic,
+    on_way,
+    one_of_seven,
+    short_ways,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
 from srs_ik.kernels.limb.branches import sine_of
@@ -123,7 +134,9 @@ def tell_samples(P, by, curve, told):
         k = min(i, rows.shape[0] - 8)
         q = take_ways(row(rows, k), 1, SAMPLE)
         eight = row(told, k)
-        way = curve_ways(reduced(P, turns_of(q), R, p))
+        way = take_ways(row(rows, k), SAMPLE_WAY, SAMPLE)
+        if are_ways(way) != ALL:
+            way = curve_ways(reduced(P, turns_of(q), R, p))
         psi, rate = arm_angles(P, place_, q, way)
         sines = sines_of_eight(P, q)
         scatter(eight, TOLD_BRANCH, TOLD, branches_of(sines))

@@ -234,6 +234,8 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
         if highest_cost(found) < OUTSIDE:
             return kept
         if not certain:
+            # What other arm angles of the pose need is followed at once.
+            branches = on_curves.EVERY_BRANCH if kept.extent == on_curves.WHOLE else branches
             followed = kept if kept.runs.shape[0] > 0 else on_curves.followed_curves(P, by, branches)
             kept = kept if followed.extent == on_curves.ALL_ASKED else followed
             certain = put_passed(P, by, followed, psi, goal, found)
