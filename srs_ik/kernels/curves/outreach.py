@@ -159,9 +159,8 @@ def reaches_around():
 def put_reaches(P, target, which, around):
     """Write what is known at all turns (`REACH`), for pairs of signs of shoulder and wrist one turn after another.
 
-    Of those pairs that are named by bits. `around` is for that and for the number of turns of each pair, which has
-    MOST_TURNS rows. Returns as bits the pairs for which it is known, and those whose shoulder and wrist are away from
-    singular.
+    Of those pairs that are named by bits. `around` is for that, MOST_TURNS rows a pair, and for their numbers of turns.
+    Returns as bits the pairs for which it is known, and those whose shoulder and wrist are away from singular.
     """
     reaches, turns = around
     level = level_place(target.place)
@@ -234,9 +233,8 @@ def pairs_on_line(P, target):
     """
     if P[NEAR] < SHORTEST:
         return 0b1111
-    around = reaches_around()
-    reaches = around[0]
-    _, told = put_reaches(P, target, EVERY_PAIR, around)
+    reaches, turns = reaches_around()
+    _, told = put_reaches(P, target, EVERY_PAIR, (reaches, turns))
     pairs = 0b1111
     for signs in range(4):
         first = MOST_TURNS * signs

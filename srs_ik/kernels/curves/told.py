@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.eight import ALL
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, one_of, root, scatter
@@ -135,7 +134,8 @@ def tell_samples(P, by, curve, told):
         q = take_ways(row(rows, k), 1, SAMPLE)
         eight = row(told, k)
         way = take_ways(row(rows, k), SAMPLE_WAY, SAMPLE)
-        if are_ways(way) != ALL:
+        which = (1 << min(last - k, 8)) - 1
+        if which & ~are_ways(way) != 0:
             way = curve_ways(reduced(P, turns_of(q), R, p))
         psi, rate = arm_angles(P, place_, q, way)
         sines = sines_of_eight(P, q)
