@@ -21,7 +21,7 @@ from srs_ik.kernels.limb.triangle import place, target_of
 from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.led import lead_row
-from srs_ik.kernels.near.on_curves import SOME, WHOLE, no_curves
+from srs_ik.kernels.near.on_curves import no_curves
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.any_bend import best_of
 from srs_ik.kernels.pose.intervals import all_intervals
@@ -72,7 +72,7 @@ def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, out
 def solve_all(family, T, psi, respect, out):
     """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
     work = (scratch(6, 7), scratch(16, 9))
-    verdict, _ = all_branches(family, row(T, 0), (psi, respect), work[0], work[1], out, 0, no_curves(SOME))
+    verdict, _ = all_branches(family, row(T, 0), (psi, respect), work[0], work[1], out, 0, no_curves())
     if verdict != GOOD_POSE:
         return -verdict
     n = 0
@@ -91,11 +91,10 @@ def solve_all_range(family, poses, first, last, psis, respect, out, verdicts):
     As long as a pose stays the same, its curves are followed once.
     """
     J, A = scratch(6, 7), scratch(16, 9)
-    kept = no_curves(SOME)
+    kept = no_curves()
     for i in range(first, last):
-        if i == first or not is_same_pose(row(poses, i - 1), row(poses, i)):
-            again = i + 1 < last and is_same_pose(row(poses, i), row(poses, i + 1))
-            kept = no_curves(WHOLE if again else SOME)
+        if kept.runs.shape[0] > 0 and not is_same_pose(row(poses, i - 1), row(poses, i)):
+            kept = no_curves()
         asked = (own(psis, i), respect)
         verdicts[i], kept = all_branches(family, row(poses, i), asked, J, A, out, 8 * i, kept)
 

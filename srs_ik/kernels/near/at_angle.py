@@ -234,11 +234,10 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
         if highest_cost(found) < OUTSIDE:
             return kept
         if not certain:
-            # What other arm angles of the pose need is followed at once.
-            branches = on_curves.EVERY_BRANCH if kept.extent == on_curves.WHOLE else branches
-            followed = kept if kept.runs.shape[0] > 0 else on_curves.followed_curves(P, by, branches)
-            kept = kept if followed.extent == on_curves.ALL_ASKED else followed
-            certain = put_passed(P, by, followed, psi, goal, found)
+            # Those of every branch, though few may need them: so other arm angles of the pose have the same answers.
+            if kept.runs.shape[0] == 0:
+                kept = on_curves.followed_curves(P, by, on_curves.EVERY_BRANCH)
+            certain = put_passed(P, by, kept, psi, goal, found)
         unsure = is_any_barely(found) or (abs(target.place[3]) < STRETCHED and highest_cost(found) >= OUTSIDE)
         if respect and not certain and unsure and P[MISS] < ON_LINE * P[FAR]:
             # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.

@@ -102,9 +102,9 @@ def setting_of(P, target, J, A):
 
 
 @kernel
-def no_curves(extent):
-    """No curves, as long as none have been followed; some or all are then going to be needed (SOME, WHOLE)."""
-    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), extent)
+def no_curves():
+    """No curves, as long as none have been followed."""
+    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), SOME)
 
 
 @kernel
@@ -392,4 +392,4 @@ def curves_on_arcs(P, by, psi, branches):
                 samples, k = arcs.follow_arcs(P, by, arcs.LONGEST_ON_ARCS, (view.points, count), runs)
                 if k > 0:
                     return told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], ALL_ASKED)
-    return no_curves(SOME)
+    return no_curves()

@@ -17,7 +17,7 @@ from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import from_curves, solve_at_angle
 from srs_ik.kernels.near.band import is_told
-from srs_ik.kernels.near.on_curves import EVERY_BRANCH, SOME, followed_curves, no_curves, setting_of
+from srs_ik.kernels.near.on_curves import EVERY_BRANCH, followed_curves, no_curves, setting_of
 from srs_ik.kernels.near.second_attempts import may_be_on_line, stretched
 from srs_ik.kernels.pose.on_limits import put_on_limits
 from srs_ik.kernels.pose.solve import solve_row_at
@@ -50,7 +50,7 @@ def self_motion_rows(family, T, intervals, respect, J, A, out):
     target = Target(R, p, place(P, R, p))
     count = out.shape[0] // max(intervals.shape[0], 1)
     before = np.zeros((1, 7))
-    followed = no_curves(SOME)
+    followed = no_curves()
     known = False
     searches = 0
     for i in range(intervals.shape[0] * count):
