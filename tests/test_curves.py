@@ -35,7 +35,7 @@ def curves_of(family, T, J, A, rows, curves):
     R, p, _ = read_pose(row(T, 0))
     P = row(family, 0)
     place_ = place(P, R, p)
-    count, _ = follow_all(P, Setting(Target(R, p, place_), elbow_side(P, place_, 0), False, J, A), rows, curves)
+    count, _ = follow_all(P, Setting(Target(R, p, place_), elbow_side(P, place_, 0), False, J, A), 0b1111, rows, curves)
     return count
 
 
@@ -44,7 +44,7 @@ def followed(arm, pose):
     rows, curves = np.empty((8192, SAMPLE)), np.empty((MAX_CURVES, CURVE))
     T = np.ascontiguousarray(pose.homogeneous)[None]
     count = curves_of(arm.packed.family, T, np.empty((6, 7)), np.empty((16, 9)), rows, curves)
-    return [(rows[int(first) : int(last), 1:], closed == 1.0) for first, last, closed in curves[:count]]
+    return [(rows[int(first) : int(last), 1:8], closed == 1.0) for first, last, closed in curves[:count]]
 
 
 def away(angles):

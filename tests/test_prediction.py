@@ -243,25 +243,29 @@ def test_no_arm_angle_has_a_larger_margin_where_the_elbow_decides(name):
 
 COUNTED = """
 import numpy as np, srs_ik
-from srs_ik.kernels.near import on_curves, predicted_best
+from srs_ik.kernels.curves import changes, laid
+from srs_ik.kernels.near import arcs, on_curves, predicted_best
 from srs_ik.kernels.layout.limb import STRAIGHT
 arm = srs_ik.load("gen3")
 calls = []
 def count(module, name):
     kernel = getattr(module, name)
     setattr(module, name, lambda *given: (calls.append(name), kernel(*given))[1])
-count(on_curves, "certain_runs")
-count(predicted_best, "search_followed")
+for module, name in {counted}:
+    count(module, name)
 {call}
 print(len(calls))
 """
 
 
-def curves_followed(call):
-    """How often all curves of a pose are followed in calls of gen3, told by kernels that are not compiled."""
+def curves_followed(call, counted="((on_curves, 'certain_runs'), (predicted_best, 'search_followed'))"):
+    """How often all curves of a pose are followed in calls of gen3, told by kernels that are not compiled.
+
+    Or other kernels called.
+    """
     clean = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", COUNTED.format(call=call)],
+        [sys.executable, "-W", "ignore", "-c", COUNTED.format(call=call, counted=counted)],
         capture_output=True,
         text=True,
         env=clean,
@@ -316,6 +320,84 @@ def test_the_curves_of_a_pose_are_followed_once_for_many_arm_angles():
         "arm.solve_batch(poses, [0.1, 0.2, 0.3], all_branches=True, threads=1)"
     )
     assert curves_followed(call) == 1
+
+
+TURNING = (
+    -1.91569671428396,
+    0.348041758480009,
+    0.642387690846607,
+    2.37685469865932,
+    -2.68753659899304,
+    -0.000113597106974783,
+    1.53370969534831,
+)
+"""Its branch ends 6e-6 rad beside its arm angle, next to a singular wrist."""
+
+LEANING = (
+    2.23379523869942,
+    0.139882330201076,
+    -0.640641710657882,
+    -0.0313949623322811,
+    -3.09871881615031,
+    -1.21160002631473,
+    2.77945879234427,
+)
+"""The elbow is almost straight and the shoulder almost singular, but by more than the elbow can be bent."""
+
+STRAIGHT = (
+    0.871646043829398,
+    1.17759027760354,
+    1.8230662373569,
+    -0.0121999548930005,
+    -2.10452001674153,
+    -0.453343128801712,
+    1.14423922751663,
+)
+PASSING = (
+    -2.02687094225084,
+    -0.0892762341519568,
+    -2.31671967981741,
+    -0.989364124904295,
+    -0.790884088278028,
+    0.816215704869657,
+    -1.15076464004689,
+)
+"""Shoulder and wrist pass by their singularities, one after the other."""
+
+
+@pytest.mark.slow
+def test_a_branch_that_arcs_show_next_to_its_end_needs_no_other_curves():
+    arm = arms.load("gen3")
+    pose, psi = arm.forward_kinematics(TURNING), arm.arm_angle(TURNING)
+    found = arm.solve(pose, psi, branch=0)
+    assert found
+    assert max(arm.verify(pose, found.q)) < 1e-12
+    assert abs(np.remainder(arm.arm_angle(found.q) - psi + np.pi, 2.0 * np.pi) - np.pi) < 1e-9
+    assert curves_followed(f"q = {TURNING}; arm.solve(arm.forward_kinematics(q), {psi}, branch=0)") == 0
+
+
+@pytest.mark.slow
+def test_a_branch_of_an_almost_straight_elbow_needs_the_curves_of_its_signs_alone():
+    call = f"pose = arm.forward_kinematics({STRAIGHT}); arm."
+    counted, psi = "((laid, 'to_curves'),)", arms.load("gen3").arm_angle(STRAIGHT)
+    every = curves_followed(call + "intervals(pose, False)", counted)
+    own = curves_followed(call + f"solve(pose, {psi}, branch=0)", counted)
+    assert 0 < 3 * own < every
+
+
+@pytest.mark.slow
+def test_a_shoulder_farther_from_singular_than_bends_reach_is_clear():
+    arm = arms.load("gen3")
+    pose = arm.forward_kinematics(LEANING)
+    assert disagreements(arm, pose, arm.intervals(pose), 180) == []
+    assert curves_followed(f"arm.intervals(arm.forward_kinematics({LEANING}))", "((laid, 'lay_predicted'),)") == 1
+
+
+@pytest.mark.slow
+def test_middle_angles_that_pass_by_a_singularity_are_not_looked_at_again():
+    call = f"arm.intervals(arm.forward_kinematics({PASSING}))"
+    assert curves_followed(call, "((arcs, 'follow_marks'),)") > 0
+    assert curves_followed(call, "((changes, 'dip_between'),)") == 0
 
 
 @pytest.mark.slow

@@ -162,7 +162,7 @@ def _by_function(
 
     def search(rows: Array, k: int, best: float) -> tuple[float, int, Array]:
         """Value, run and row of the best posture of some runs; run -1 where none is below `best`."""
-        values = np.array([cost(row[1:]) for row in rows])
+        values = np.array([cost(row[1 : entries.SAMPLE_WAY]) for row in rows])
         brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
         count = entries.brackets(rows, values, runs, k, brackets)
         best_run = -1

@@ -14,7 +14,7 @@ from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all, width_of_splits
-from srs_ik.kernels.curves import outreach
+from srs_ik.kernels.curves import in_step, outreach
 from srs_ik.kernels.curves.ends import inside_of_blur
 from srs_ik.kernels.curves.follow import (
     CURVE,
@@ -260,24 +260,28 @@ def put_pair(P, by, turns, curvature, starts, n):
 
 
 @kernel
-def follow_all(P, by, rows, curves):
+def follow_all(P, by, which, rows, curves):
     """Follow every curve of a pose that the closed form of the nearest exact limb leads to.
 
-    Returns the number of curves, and whether they are all there are for certain: reaches of an almost straight elbow
-    are known all around.
+    Curves that stay with one pair of signs of shoulder and wrist may be those of some pairs alone, named by bits.
+    Returns the number of curves, and as bits the pairs of which they are all there are for certain: reaches of an
+    almost straight elbow are known all around.
     """
     R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
-    around = np.empty((4 * outreach.MOST_TURNS, outreach.REACH)), np.full(4, outreach.TURNS)
+    around = outreach.reaches_around()
     known = 0
     ends = EVERY_SPLIT if outreach.is_almost_straight(P, by.target.place) else 0
     if outreach.may_be_straight(P, by.target.place):
-        known, clear = outreach.put_reaches(P, by.target, around[0])
+        known, clear = outreach.put_reaches(P, by.target, which, around)
         ends = outreach.splits_with_ends(around[0])
-        if clear == 0b1111 and not oblique:
+        if clear == which and not oblique:
             count = lay_curves(P, by, around, rows, curves)
             if count >= 0:
-                return count, True
+                return count, which
+        if which != outreach.EVERY_PAIR:
+            known, _ = outreach.put_reaches(P, by.target, outreach.EVERY_PAIR, around)
+            ends = outreach.splits_with_ends(around[0])
     told = 0 if oblique else well_told(around, known)
     angles = np.empty(MOST_ANGLES)
     n_angles = put_angles(P, by.target.place, STARTS_OBLIQUE if oblique else STARTS, angles)
@@ -293,7 +297,7 @@ def follow_all(P, by, rows, curves):
     n_outer = put_outermost(P, by, signs & known, around, missed, n_surface)
     n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))
     if n_marks > 0:
-        follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
+        follow_marks(P, by.target, in_step.LONGEST_STEP, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
     n, count = extend_open(P, by, rows, curves, n, count)
     n_missed = put_behind_ends(P, by, rows, curves, count, missed, n_missed)
@@ -338,4 +342,4 @@ def follow_all(P, by, rows, curves):
             for x in range(2):
                 n = put(rows, n, x * POINT, q)
             count += 1
-    return count, told == 0b1111
+    return count, outreach.EVERY_PAIR if told == outreach.EVERY_PAIR else 0

@@ -68,6 +68,10 @@ DIP_STEPS = 8
 FORETOLD = 4.0
 """What is so many times as far from zero as from what was foretold does not reach zero."""
 
+DIPS = 0.5
+"""A middle angle that dips between two samples by less than this part of what is left at the closer one, as the
+tangents at both tell, does not change sides there."""
+
 FROM_ENDS = 0.01
 """Where a figure is lowest between two samples is looked for no closer to them than this part of the way."""
 
@@ -300,7 +304,13 @@ def may_change(P, curve, i, told, middle):
     if (at_a >= 0.0) != (at_b >= 0.0) or abs(at_a + at_b) >= ARC * (curve.rows[i, 0] - curve.rows[i - 1, 0]):
         return (at_a >= 0.0) != (at_b >= 0.0)
     rate_a, rate_b = rates_of_sine(P, curve, i, told, middle)
-    return rate_a < 0.0 < rate_b if at_a >= 0.0 else rate_b < 0.0 < rate_a
+    side = math.copysign(curve.rows[i, 0] - curve.rows[i - 1, 0], at_a)
+    fall, back = -side * rate_a, side * rate_b
+    away, next_away = abs(at_a), abs(at_b)
+    # Where the tangents meet: an angle that only passes by its singularity stays above that.
+    return min(fall, back) > 0.0 and away - fall * (away - next_away + back) / (fall + back) < DIPS * min(
+        away, next_away
+    )
 
 
 @kernel

@@ -74,12 +74,16 @@ STRAIGHT_ON = 0.5
 
 @kernel
 def put(rows, n, x, q):
-    """Append a sample; return the number of rows, which stays where there is no room."""
+    """Append a sample whose way is not known; return the number of rows, which stays where there is no room."""
+    return put_with(rows, n, x, q, NO_SEED)
+
+
+@kernel
+def put_with(rows, n, x, q, t):
+    """Append a sample with its way, as `put`."""
     if n >= rows.shape[0]:
         return n
-    rows[n, 0] = x
-    for j in range(7):
-        rows[n, 1 + j] = q[j]
+    in_step.put_on_way(rows, n, x, q, t)
     return n + 1
 
 
@@ -308,7 +312,7 @@ def follow(P, by, q, t, way, rows, n):
     length = 0.0
     step = in_step.LONGEST_STEP
     turned_by = NO_SEED
-    n = put(rows, n, length, q)
+    n = put_with(rows, n, length, q, t)
     for _ in range(MOST_STEPS):
         if n >= rows.shape[0]:
             break
@@ -319,7 +323,7 @@ def follow(P, by, q, t, way, rows, n):
             made = difference(q, next_q)
             length += math.sqrt(dot7(made, made))
             q, t, step, turned_by = next_q, next_t, CORNER, NO_SEED
-            n = put(rows, n, length, q)
+            n = put_with(rows, n, length, q, t)
             continue
         next_q, met = correct(P, by, along7(q, way * step, t), t, dot7(t, q) + way * step)
         if not met:
@@ -335,13 +339,13 @@ def follow(P, by, q, t, way, rows, n):
         if n - n0 > 2 and dot7(first_t, t) > in_step.SMALLEST_COSINE:
             share = share_of_chord(q, next_q, first)
             if share <= 1.0 and is_passed(P, by, q, next_q, share, first):
-                return put(rows, n, length + share * step, first), True, q, t
+                return put_with(rows, n, length + share * step, first, first_t), True, q, t
         turned_by = difference(t, next_t)
         q = next_q
         t = next_t
         length += step
-        n = put(rows, n, length, q)
-        step = in_step.step_after(step, cosine)
+        n = put_with(rows, n, length, q, t)
+        step = in_step.step_after(step, cosine, in_step.LONGEST_STEP)
     return n, False, q, t
 
 
@@ -379,7 +383,8 @@ def extend_back(P, by, rows, curves, k, n):
     else:
         length = rows[end - 1, 0]
         for i in range(first + 1, last):
-            end = put(rows, end, length + rows[i, 0], in_step.load_sample(rows[i]))
+            q, t = in_step.load_sample(rows[i]), in_step.way_of_sample(rows[i])
+            end = put_with(rows, end, length + rows[i, 0], q, t)
     curves[k, 1] = end
     return end
 

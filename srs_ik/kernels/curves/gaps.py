@@ -11,19 +11,15 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.lane_trig import turns_of
-from srs_ik.kernels.algebra.lanes import ALL, scatter, where
-from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
-from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
-from srs_ik.kernels.chain.newton_eight import curve_ways, reduced
 from srs_ik.kernels.curves.ends import closed_inside, joint_beyond
 from srs_ik.kernels.curves.follow import between, put, share_of_chord, tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
+from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.lowest import UNSURE
 from srs_ik.kernels.curves.told import TURNING_WRIST, UNTOLD, turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
+from srs_ik.kernels.limb.branches import sine_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle
 
@@ -36,10 +32,6 @@ than the angle whose cosine is `SMALLEST_COSINE` in a step, however short."""
 
 MOST_TURNS = 42
 """On a way between two samples a joint turns around once, across a limit or two, with a sample on either side."""
-
-WAY = 8
-WAY_TOLD = 7
-"""The way of a curve at a sample, and whether it is told: 0 not yet, -1 not in step."""
 
 WELL_INSIDE = 0.5
 """A sample in a gap need not lie closer to its middle than this part of half its width."""
@@ -165,40 +157,21 @@ def may_turn_across(P, j, end, ways, bulge):
 
 
 @kernel
-def tell_ways(P, by, rows, k, ways):
-    """Tell the ways of a curve at eight samples, from row k on."""
-    q = take_ways(row(rows, k), 1, SAMPLE)
-    way = curve_ways(reduced(P, turns_of(q), by.target.R, by.target.p))
-    _, _, s6 = sines_of_eight(P, q)
-    eight, told = row(ways, k), 0.0 * s6 + 1.0
-    put_eight(eight, WAY, ALL, way)
-    # Where several joints are singular at once, what is left of it is no unit vector.
-    scatter(eight, WAY_TOLD, WAY, where((abs(s6) > TURNING_WRIST) & (dot7(way, way) > 0.5), told, -told))
-
-
-@kernel
-def way_at(P, by, sample, known):
-    """The way of a curve at a posture, and whether it has one.
-
-    It is given with its parameter and its row among the samples (-1: it is none), which are known with their ways.
-    """
-    (_, q, k), (rows, ways) = sample, known
-    if k >= 0:
-        if ways[k, WAY_TOLD] == 0.0:
-            tell_ways(P, by, rows, min(k, rows.shape[0] - 8), ways)
-        if ways[k, WAY_TOLD] > 0.0:
-            return read7(row(ways, k)), True
+def way_at(P, by, q, way):
+    """The way of a curve at a posture, and whether it has one; that which is known of it is given."""
+    if dot7(way, way) > 0.5 and abs(sine_of(P, q, 2)) > TURNING_WRIST:
+        return way, True
     t, sign = tangent_at(P, by, q)
     return t, sign != 0.0
 
 
 @kernel
-def rates_between(P, by, start, end, known):
+def rates_between(P, by, start, end):
     """How fast the joints change along a curve at two of its postures, with the share of the way between these."""
     chord = difference(start[1], end[1])
     length = math.sqrt(dot7(chord, chord))
-    t_a, told_a = way_at(P, by, start, known)
-    t_b, told_b = way_at(P, by, end, known)
+    t_a, told_a = way_at(P, by, start[1], start[2])
+    t_b, told_b = way_at(P, by, end[1], end[2])
     rates_a = along7(NO_SEED, math.copysign(length, dot7(t_a, chord)), t_a)
     return rates_a, along7(NO_SEED, math.copysign(length, dot7(t_b, chord)), t_b), told_a and told_b
 
@@ -234,13 +207,11 @@ def turn_across(P, by, a, b, joint_end):
 
 
 @kernel
-def put_turns(P, by, start, end, bulge, room):
+def put_turns(P, by, start, end, bulge, turns):
     """Write, in their order, samples where joints turn around across a limit on the way between two; their number.
 
-    Where a joint goes on through a narrow range, there and back, samples in the range stand on either side. `room` is
-    as in `put_bounds`.
+    Where a joint goes on through a narrow range, there and back, samples in the range stand on either side.
     """
-    turns, known = room
     x_a, a, _ = start
     x_b, b, _ = end
     n = 0
@@ -250,7 +221,7 @@ def put_turns(P, by, start, end, bulge, room):
         if P[RANGE_KIND + j] == 0.0 or not may_turn_across(P, j, k % 2, (a[j], b[j]), bulge):
             continue
         if not told:
-            rates_a, rates_b, told = rates_between(P, by, start, end, known)
+            rates_a, rates_b, told = rates_between(P, by, start, end)
         if told and stays_on_side(P, j, k % 2, (a[j], b[j]), (rates_a[j], rates_b[j])):
             continue
         q, found = turn_across(P, by, a, b, (j, k % 2))
@@ -268,20 +239,19 @@ def put_turns(P, by, start, end, bulge, room):
 
 
 @kernel
-def put_bounds(P, by, start, end, room, line, n):
+def put_bounds(P, by, start, end, turns, line, n):
     """Append samples between two postures of a curve, so that nothing hides between them; return the rows in use.
 
     Where each joint turns around across a limit, and where both of two break limits, where each joint passes a limit.
-    Both are given as in `way_at`. `room` is for `MOST_TURNS` samples, and what is known of those of the curve.
+    Both are given as parameter, posture, and the way of the curve if it is known. `turns` is for `MOST_TURNS` samples.
     """
-    turns = room[0]
     a, b = start[1], end[1]
     chord = difference(a, b)
     bulge = BULGE * math.sqrt(dot7(chord, chord))
     outside = any_outside(P, a)
     if outside and any_outside(P, b) and not may_be_inside(P, a, b, bulge):
         return n
-    n_turns = put_turns(P, by, start, end, bulge, room)
+    n_turns = put_turns(P, by, start, end, bulge, turns)
     before = start[0], a
     for i in range(n_turns + 1):
         behind = (turns[i, 0], load_sample(turns[i])) if i < n_turns else (end[0], b)

@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
-from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, larger, one_of, whole_number
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, larger, one_of, where, whole_number
 from srs_ik.kernels.chain import newton_eight
 from srs_ik.kernels.chain.eight import take_eight, take_ways
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
@@ -14,8 +14,9 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 
-SAMPLE = 8
-"""A sample of a curve: its parameter, and seven joint angles."""
+SAMPLE = 15
+SAMPLE_WAY = 8
+"""A sample of a curve: its parameter, seven joint angles, and the unit vector along the curve, nothing if not known."""
 
 LONGEST_STEP = 0.3
 """Length of a step, rad."""
@@ -46,6 +47,9 @@ SHRINKAGE = 0.4
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
 
+HARDLY = 1e-12
+"""A step to a curve that is foreseen to be this short, rad, is not taken."""
+
 ASIDE = 1e-5
 """A step is outside of what lies between the ways of its curve at both ends by no more than this part of it, squared:
 else it has led to another curve."""
@@ -68,10 +72,16 @@ BEYOND = 1.2 * LONGEST_STEP
 """Farther from a sample, rad, no joint of a posture beside the step from it is: the quicker question."""
 
 
-LANE = 22
-LANE_BEND = 14
-LANE_STEP = 21
-"""One of eight curves: joint angles, the unit vector along it, how that has changed on the last step, the next step."""
+LANE = 29
+LANE_BEFORE = 14
+LANE_STEP = 28
+"""One of eight curves: joint angles, the unit vector along it, both before the last step, the next step."""
+
+
+@kernel
+def are_ways(t):
+    """Which of eight vectors along curves are known, as bits; where several joints are singular at once, none is."""
+    return as_bits(dot7(t, t) > 0.5)
 
 
 @kernel
@@ -82,17 +92,29 @@ def load_sample(sample):
 
 @kernel
 def put_sample(rows, n, x, q):
-    """Write a sample into row n."""
-    rows[n, 0] = x
-    for j in range(7):
-        rows[n, 1 + j] = q[j]
+    """Write a sample into row n, whose way is not known."""
+    put_on_way(rows, n, x, q, NO_SEED)
 
 
 @kernel
-def step_after(step, cosine):
-    """The length of the next step along a curve that has turned on one by a cosine."""
+def put_on_way(rows, n, x, q, t):
+    """Write a sample into row n, with the unit vector along the curve."""
+    rows[n, 0] = x
+    for j in range(7):
+        rows[n, 1 + j], rows[n, SAMPLE_WAY + j] = q[j], t[j]
+
+
+@kernel
+def way_of_sample(sample):
+    """The unit vector along the curve at a sample; nothing where it is not known."""
+    return (sample[8], sample[9], sample[10], sample[11], sample[12], sample[13], sample[14])
+
+
+@kernel
+def step_after(step, cosine, longest):
+    """The length of the next step along a curve that has turned on one by a cosine, no longer than given."""
     growth = FAST_GROWTH if cosine > ALL_BUT_STRAIGHT else (GROWTH if cosine > WELL_STRAIGHT else 1.0)
-    return min(growth * step, LONGEST_STEP)
+    return min(growth * step, longest)
 
 
 @kernel
@@ -129,6 +151,25 @@ def is_along(made, ahead, way, cosine, vague):
 
 
 @kernel
+def foretold(q, way, last, last_way, step):
+    """Postures a step on along eight curves, by the cubic through two of each, which tells how it is off the way.
+
+    Both are given with the ways there. A curve that has not yet been followed is straight.
+    """
+    made = along7(q, -1.0, last)
+    ahead = dot7(made, way)
+    begun = ahead > 0.0
+    per_step = where(begun, 1.0 / where(begun, ahead, step), 0.0 * step)
+    share = step * per_step
+    # How the way differs from that of the last step, on the whole and where it began.
+    whole = along7(way, -per_step, made)
+    first = along7(way, -1.0 / dot7(last_way, way), last_way)
+    second = step * share
+    q = along7(along7(q, step, way), second * (3.0 + 2.0 * share), whole)
+    return along7(q, -second * (1.0 + share), first)
+
+
+@kernel
 def step_in_step(P, R, p, rows, alive):
     """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns.
 
@@ -137,9 +178,7 @@ def step_in_step(P, R, p, rows, alive):
     before = take_eight(rows, LANE)
     way = take_ways(rows, 7, LANE)
     step = gather(rows, LANE_STEP, LANE)
-    # The curve goes on to bend, and the step stays as long as it is along the way.
-    bend = take_ways(rows, LANE_BEND, LANE)
-    q = along7(before, step, along7(way, 0.5 * step, along7(bend, -dot7(bend, way), way)))
+    q = foretold(before, way, take_ways(rows, LANE_BEFORE, LANE), take_ways(rows, LANE_BEFORE + 7, LANE), step)
     t = way
     turns = turns_of(q)
     none = 0.0 * step
@@ -149,7 +188,7 @@ def step_in_step(P, R, p, rows, alive):
     for _ in range(CORRECTIONS):
         d, t, _, right = newton_eight.curve_step(P, turns, R, p, way, none)
         size = newton_eight.largest(d)
-        settled = size < LAST_STEP
+        settled = (size < LAST_STEP) | newton_eight.is_foreseen(size, last, HARDLY)
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         left &= as_bits(size < SHRINKING * last)

@@ -12,11 +12,11 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.pointers import copy, keep, read7, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.chain.eight import put_eight, take_ways
 from srs_ik.kernels.curves import outreach
 from srs_ik.kernels.curves.follow import reverse
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample, to_curves
+from srs_ik.kernels.curves.in_step import SAMPLE, SAMPLE_WAY, load_sample, put_sample, to_curves, way_of_sample
 from srs_ik.kernels.jit import kernel
 
 BESIDE = 0.05
@@ -179,7 +179,7 @@ def lay_predicted(around, ends, n_ends, gaps, out):
             n, count = lay_stretch(nodes, used, False, work, (rows, curves, n, count))
     for signs in range(4):
         first = outreach.MOST_TURNS * signs
-        if n >= 0 and (ended >> signs) & 1 == 0 and reaches[first, outreach.REACH_ROOM] > 0.0:
+        if n >= 0 and turns[signs] > 0 and (ended >> signs) & 1 == 0 and reaches[first, outreach.REACH_ROOM] > 0.0:
             for k in range(turns[signs] + 1):
                 outreach.copy_reach(reaches, first + k % turns[signs], nodes, k)
             n, count = lay_stretch(nodes, turns[signs] + 1, True, work, (rows, curves, n, count))
@@ -187,7 +187,7 @@ def lay_predicted(around, ends, n_ends, gaps, out):
 
 
 @kernel
-def is_curve(rows, ways, first, last):
+def is_curve(rows, first, last):
     """Tell the parameters of the samples of a closed curve, and turn it around if it is against its way.
 
     Returns whether each sample is next to the one before along the curve.
@@ -195,7 +195,7 @@ def is_curve(rows, ways, first, last):
     sense = 0.0
     rows[first, 0] = 0.0
     for i in range(first + 1, last):
-        a, b = read7(ways[i - 1]), read7(ways[i])
+        a, b = way_of_sample(rows[i - 1]), way_of_sample(rows[i])
         chord = difference(load_sample(rows[i - 1]), load_sample(rows[i]))
         length = math.sqrt(dot7(chord, chord))
         ahead, behind = dot7(chord, a), dot7(chord, b)
@@ -210,10 +210,10 @@ def is_curve(rows, ways, first, last):
 
 @kernel
 def lay_curves(P, by, around, rows, curves):
-    """Lay out all curves of a pose whose elbow is almost straight; their number, -1 where they have to be followed.
+    """Lay out the curves of a pose whose elbow is almost straight; their number, -1 where they have to be followed.
 
-    For poses with shoulder and wrist away from singular at all turns. `around` is what is known there (`put_reaches`),
-    and how many these are for each pair of signs; others are put between them.
+    With all signs of shoulder and wrist for which there are turns, at all of which these are away from singular.
+    `around` is what is known there (`put_reaches`); other turns are put between them.
     """
     ends, gaps = np.empty((outreach.MOST_ENDS, outreach.REACH)), np.empty(outreach.MOST_ENDS)
     outreach.insert_turns(P, by, around)
@@ -223,7 +223,6 @@ def lay_curves(P, by, around, rows, curves):
     n, count = lay_predicted(around, ends, n_ends, gaps, (rows, curves))
     if n <= 0:
         return n
-    ways = np.empty((n + 8, 7))
     for i in range(0, n, 8):
         eight = row(rows, i)
         which = (1 << min(n - i, 8)) - 1
@@ -231,14 +230,11 @@ def lay_curves(P, by, around, rows, curves):
         if which & ~met != 0:
             return -1
         put_eight(row(eight, 1), SAMPLE, which, q)
-        put_eight(row(ways, i), 7, which, t)
+        put_eight(row(eight, SAMPLE_WAY), SAMPLE, which, t)
     for k in range(count):
         first, last = int(curves[k, 0]), int(curves[k, 1])
-        put_sample(rows, last - 1, 0.0, load_sample(rows[first]))
-        for j in range(7):
-            ways[last - 1, j] = ways[first, j]
-        if not is_curve(rows, ways, first, last):
+        copy(row(rows, first), row(rows, last - 1), SAMPLE)
+        if not is_curve(rows, first, last):
             return -1
-    keep(ways)
     keep(ends)
     return count

@@ -104,11 +104,17 @@ def find_passed(P, before, after, which, marks, count):
 
 @kernel
 def load_lane(lanes, i, mark):
-    """Begin to follow a curve at a mark."""
-    copy(mark, row(lanes, i), 14)
-    for c in range(in_step.LANE_BEND, in_step.LANE_STEP):
-        lanes[i, c] = 0.0
+    """Begin to follow a curve at a mark: straight on."""
+    copy(mark, row(lanes, i), in_step.LANE_BEFORE)
+    copy(mark, row(lanes[i], in_step.LANE_BEFORE), in_step.LANE_BEFORE)
     lanes[i, in_step.LANE_STEP] = in_step.LONGEST_STEP
+
+
+@kernel
+def put_at_mark(line, n, x, mark):
+    """Write a sample with the joint angles and the way of a mark, or of a lane."""
+    line[n, 0] = x
+    copy(mark, row(line[n], 1), MARK_NEXT)
 
 
 @kernel
@@ -125,8 +131,11 @@ def keep_piece(line, first, n, pieces, used, mark, following):
 
 
 @kernel
-def follow_marks(P, target, marks, starts, pieces):
-    """Follow the curve of each of the first marks (`starts` of them) to the next of all, into rows of pieces."""
+def follow_marks(P, target, longest, marks, starts, pieces):
+    """Follow the curve of each of the first marks (`starts` of them) to the next of all, into rows of pieces.
+
+    In steps no longer than given, rad.
+    """
     count = marks.shape[0]
     lanes = np.empty((8, in_step.LANE))
     after = np.empty((8, in_step.LANE))
@@ -141,7 +150,7 @@ def follow_marks(P, target, marks, starts, pieces):
         load_lane(lanes, i, marks[min(waiting, starts - 1)])
         if waiting < starts:
             mark_of[i], length[i] = waiting, 1
-            in_step.put_sample(line, i * LONGEST_PIECE, 0.0, read7(marks[waiting]))
+            put_at_mark(line, i * LONGEST_PIECE, 0.0, marks[waiting])
             alive |= 1 << i
             waiting += 1
     while alive != 0:
@@ -165,14 +174,13 @@ def follow_marks(P, target, marks, starts, pieces):
                 x = line[first + n - 1, 0]
                 following = int(one_of(passed, i))
                 if following >= 0:
-                    in_step.put_sample(line, first + n, x + one_of(shares, i) * step, read7(marks[following]))
+                    put_at_mark(line, first + n, x + one_of(shares, i) * step, marks[following])
                     done = True
                 else:
-                    in_step.put_sample(line, first + n, x + step, read7(row(after, i)))
-                    for j in range(7):
-                        lanes[i, in_step.LANE_BEND + j] = (after[i, 7 + j] - lanes[i, 7 + j]) / step
-                    copy(row(after, i), row(lanes, i), 14)
-                    lanes[i, in_step.LANE_STEP] = in_step.step_after(step, one_of(cosine, i))
+                    put_at_mark(line, first + n, x + step, after[i])
+                    copy(row(lanes, i), row(lanes[i], in_step.LANE_BEFORE), in_step.LANE_BEFORE)
+                    copy(row(after, i), row(lanes, i), in_step.LANE_BEFORE)
+                    lanes[i, in_step.LANE_STEP] = in_step.step_after(step, one_of(cosine, i), longest)
                     done = n + 2 >= LONGEST_PIECE
                 length[i] = n + 1
             if done:
@@ -181,7 +189,7 @@ def follow_marks(P, target, marks, starts, pieces):
                 if waiting < starts:
                     load_lane(lanes, i, marks[waiting])
                     mark_of[i], length[i] = waiting, 1
-                    in_step.put_sample(line, first, 0.0, read7(marks[waiting]))
+                    put_at_mark(line, first, 0.0, marks[waiting])
                     alive |= 1 << i
                     waiting += 1
     keep(lanes)
@@ -231,7 +239,8 @@ def join_pieces(marks, count, pieces, rows, curves):
                 for i in range(int(marks[at, MARK_FIRST]), int(marks[at, MARK_LAST])):
                     # The last posture of a piece is the first one of the next.
                     if (n == first or i > int(marks[at, MARK_FIRST])) and n < rows.shape[0]:
-                        in_step.put_sample(rows, n, length + pieces[i, 0], in_step.load_sample(pieces[i]))
+                        copy(row(pieces, i), row(rows, n), in_step.SAMPLE)
+                        rows[n, 0] += length
                         n += 1
                 if n > first:
                     length = rows[n - 1, 0]

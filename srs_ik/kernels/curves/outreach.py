@@ -14,11 +14,11 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
-from srs_ik.kernels.algebra.lanes import ALL, as_bits, eight_of, scatter
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, eight_of, larger, scatter
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import along, cross, dot, scale
-from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
+from srs_ik.kernels.chain.eight import highest, put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import largest, reduced, turned_by_all, with_wrist
 from srs_ik.kernels.chain.starts import almost_straight
 from srs_ik.kernels.jit import kernel
@@ -31,6 +31,9 @@ from srs_ik.kernels.limb.triangle import elbow_side
 TURNS = 16
 MOST_TURNS = TURNS + 2
 """Turns, all around, at which reaches are looked at, and room for others between them."""
+
+EVERY_PAIR = 0b1111
+"""The pairs of signs of shoulder and wrist, as bits."""
 
 REACH = 23
 REACH_ROOM, REACH_RISE, REACH_TURNING, REACH_BENDING = 7, 8, 9, 16
@@ -48,7 +51,8 @@ LEAST_BEND = 5e-5
 the greatest reach tells then by itself what there is around it (`rank_five`)."""
 
 CLEAR = 2.0
-"""Where the elbow is almost straight, shoulder and wrist are clear of singularities that are so many bends away."""
+"""Where the elbow is almost straight, shoulder and wrist are clear of singularities that are so many times its widest
+bend at the pose away, and the widest at any pose."""
 
 ALMOST = 1.2
 """A bend wider by this than what may be straight is clear of it."""
@@ -144,20 +148,28 @@ def curvature_of(P, level):
 
 
 @kernel
-def put_reaches(P, target, reaches):
-    """Write what is known at all turns (`REACH`), for each pair of signs of shoulder and wrist one turn after another.
+def reaches_around():
+    """Room for what is known at all turns (`REACH`), and how many these are for each pair of signs."""
+    return np.empty((4 * MOST_TURNS, REACH)), np.zeros(4, np.int64)
 
-    Each pair has MOST_TURNS rows, of which TURNS are written. Returns as bits the pairs for which it is known, and
-    those whose shoulder and wrist are away from singular.
+
+@kernel
+def put_reaches(P, target, which, around):
+    """Write what is known at all turns (`REACH`), for pairs of signs of shoulder and wrist one turn after another.
+
+    Of those pairs that are named by bits. `around` is for that, MOST_TURNS rows a pair, and for their numbers of turns.
+    Returns as bits the pairs for which it is known, and those whose shoulder and wrist are away from singular.
     """
+    reaches, turns = around
     level = level_place(target.place)
     curvature = curvature_of(P, level)
     sides = elbow_side(P, level, 0), elbow_side(P, level, 1)
-    near = CLEAR * almost_straight(P)
     eight = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
-    known = clear = 0b1111
+    known = clear = which
     for signs in range(4):
-        for first in range(0, TURNS, 8):
+        turns[signs] = TURNS if (which >> signs) & 1 == 1 else 0
+        most, least = 0.0, 1.0
+        for first in range(0, turns[signs], 8):
             c, s = turn(2.0 * math.pi / TURNS * (eight + first))
             q, sure = eight_postures(P, sides, 0.0 * eight + signs, c, s)
             q, room, rise, turning, bending, met = best_bends(P, target, q, curvature, False)
@@ -165,8 +177,10 @@ def put_reaches(P, target, reaches):
             s2, _, s6 = sines_of_eight(P, q)
             if sure & met != ALL:
                 known &= ~(1 << signs)
-            if as_bits((abs(s2) > near) & (abs(s6) > near)) != ALL:
-                clear &= ~(1 << signs)
+            most, least = max(most, highest(room)), min(least, -highest(larger(-abs(s2), -abs(s6))))
+        # No number is not clear.
+        if not least > max(almost_straight(P), CLEAR * math.sqrt(most)):
+            clear &= ~(1 << signs)
     return known, known & clear
 
 
@@ -217,8 +231,8 @@ def pairs_on_line(P, target):
     """
     if P[NEAR] < SHORTEST:
         return 0b1111
-    reaches = np.empty((4 * MOST_TURNS, REACH))
-    _, told = put_reaches(P, target, reaches)
+    reaches, turns = reaches_around()
+    _, told = put_reaches(P, target, EVERY_PAIR, (reaches, turns))
     pairs = 0b1111
     for signs in range(4):
         first = MOST_TURNS * signs

@@ -15,10 +15,11 @@ from srs_ik.kernels.algebra.joint_vectors import difference, largest
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
 from srs_ik.kernels.curves.ends import corner, dip, edge, is_exact, on_curve, put_infeasibilities
-from srs_ik.kernels.curves.follow import BLURRED, CURVE, put
-from srs_ik.kernels.curves.gaps import MOST_TURNS, WAY, WAY_TOLD, put_bounds, put_gaps
-from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
+from srs_ik.kernels.curves.follow import BLURRED, CURVE, put, put_with
+from srs_ik.kernels.curves.gaps import MOST_TURNS, put_bounds, put_gaps
+from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample, way_of_sample
 from srs_ik.kernels.curves.lowest import dip_near
+from srs_ik.kernels.curves.outreach import EVERY_PAIR
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs, Samples, Setting
@@ -56,6 +57,12 @@ CUTS = 4
 
 
 @kernel
+def way_of_end(line, i, x):
+    """The way of a curve at the end of a run, a parameter, if that is its sample i."""
+    return way_of_sample(line[i]) if line[i, 0] == x else NO_SEED
+
+
+@kernel
 def put_run(P, respect, branch, curve, ends, out, used):
     """Write the run between two ends of a sampled curve, parameters and postures: rows and runs in use."""
     line, first, last = curve
@@ -70,15 +77,16 @@ def put_run(P, respect, branch, curve, ends, out, used):
     runs[k, 3] = n
     # The ends are on a limit up to rounding: on it, so that they count as inside.
     q = turned(P, q_lower, False, NO_SEED, respect)
-    n = put(out.rows, n, lower, clipped(P, q) if respect else q)
+    n = put_with(out.rows, n, lower, clipped(P, q) if respect else q, way_of_end(line, first, lower))
     x = lower
     for i in range(first, last):
         if x + SAME < line[i, 0] < upper - SAME:
             x = line[i, 0]
-            n = put(out.rows, n, x, turned(P, load_sample(line[i]), False, NO_SEED, respect))
+            q = turned(P, load_sample(line[i]), False, NO_SEED, respect)
+            n = put_with(out.rows, n, x, q, way_of_sample(line[i]))
     if upper > lower:
         q = turned(P, q_upper, False, NO_SEED, respect)
-        n = put(out.rows, n, upper, clipped(P, q) if respect else q)
+        n = put_with(out.rows, n, upper, clipped(P, q) if respect else q, way_of_end(line, last - 1, upper))
     runs[k, 4] = n
     return n, (k + 1 if n > runs[k, 3] else k)
 
@@ -186,12 +194,9 @@ def unroll(P, by, rows, curve, line):
             if off[first + i, 0] > worst:
                 start, worst = i, off[first + i, 0]
     length = rows[first + count - 1, 0]
-    ways = np.empty((rows.shape[0], WAY))
-    for i in range(first, first + count):
-        ways[i, WAY_TOLD] = 0.0
-    gaps, room = np.empty((MOST_GAPS, SAMPLE)), (np.empty((MOST_TURNS, SAMPLE)), (rows, ways))
+    gaps, turns = np.empty((MOST_GAPS, SAMPLE)), np.empty((MOST_TURNS, SAMPLE))
     n = 0
-    before = 0.0, NO_SEED, -1
+    before = 0.0, NO_SEED, NO_SEED
     f = 0.0
     for i in range(count):
         j = start + i
@@ -199,16 +204,16 @@ def unroll(P, by, rows, curve, line):
         if j >= count:
             j -= count - 1
             round_ = length
-        here = rows[first + j, 0] + round_, load_sample(rows[first + j]), first + j
+        here = rows[first + j, 0] + round_, load_sample(rows[first + j]), way_of_sample(rows[first + j])
         next_f = off[first + j, 0]
         if by.respect and i > 0 and may_meet(f, next_f, ARC * (here[0] - before[0])):
             for k in range(put_gaps(P, by, before[:2], here[:2], gaps, 0)):
-                gap = gaps[k, 0], load_sample(gaps[k]), -1
-                n = put_bounds(P, by, before, gap, room, line, n)
+                gap = gaps[k, 0], load_sample(gaps[k]), NO_SEED
+                n = put_bounds(P, by, before, gap, turns, line, n)
                 n = put(line, n, gap[0], gap[1])
                 before = gap
-            n = put_bounds(P, by, before, here, room, line, n)
-        n = put(line, n, here[0], here[1])
+            n = put_bounds(P, by, before, here, turns, line, n)
+        n = put_with(line, n, here[0], here[1], here[2])
         before, f = here, next_f
     return n
 
@@ -241,13 +246,13 @@ def survey_curves(P, by, rows, curves, line, out):
 
 
 @kernel
-def certain_runs(P, by, runs):
-    """`near_runs`, and whether these are all there are for certain."""
+def certain_runs(P, by, which, runs):
+    """`near_runs` of some pairs of signs (`follow_all`), and of which of them these are all there are for certain."""
     curves = np.empty((MAX_CURVES, CURVE))
     followed = np.empty((CURVE_ROWS, SAMPLE))
     rows = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
     line = np.empty((CURVE_ROWS, SAMPLE))
-    count, certain = follow_all(P, by, followed, curves)
+    count, certain = follow_all(P, by, which, followed, curves)
     n, k = survey_curves(P, by, followed, curves[:count], line, Runs(rows, runs))
     return (rows, n, k, line), certain
 
@@ -255,7 +260,7 @@ def certain_runs(P, by, runs):
 @kernel
 def near_runs(P, by, runs):
     """Sample all feasible postures of a near limb: samples, rows and runs in use, and spare rows for one curve."""
-    sampled, _ = certain_runs(P, by, runs)
+    sampled, _ = certain_runs(P, by, EVERY_PAIR, runs)
     return sampled
 
 

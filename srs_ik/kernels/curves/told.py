@@ -15,7 +15,17 @@ from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.newton_eight import curve_ways, reduced
 from srs_ik.kernels.curves.follow import between, correct, tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, between_eight, load_sample, on_cubic, on_way, one_of_seven, short_ways
+from srs_ik.kernels.curves.in_step import (
+    SAMPLE,
+    SAMPLE_WAY,
+    are_ways,
+    between_eight,
+    load_sample,
+    on_cubic,
+    on_way,
+    one_of_seven,
+    short_ways,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
 from srs_ik.kernels.limb.branches import sine_of
@@ -123,7 +133,10 @@ def tell_samples(P, by, curve, told):
         k = min(i, rows.shape[0] - 8)
         q = take_ways(row(rows, k), 1, SAMPLE)
         eight = row(told, k)
-        way = curve_ways(reduced(P, turns_of(q), R, p))
+        way = take_ways(row(rows, k), SAMPLE_WAY, SAMPLE)
+        which = (1 << min(last - k, 8)) - 1
+        if which & ~are_ways(way) != 0:
+            way = curve_ways(reduced(P, turns_of(q), R, p))
         psi, rate = arm_angles(P, place_, q, way)
         sines = sines_of_eight(P, q)
         scatter(eight, TOLD_BRANCH, TOLD, branches_of(sines))

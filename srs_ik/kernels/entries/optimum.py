@@ -7,7 +7,7 @@ from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.ends import is_exact, on_curve
-from srs_ik.kernels.curves.in_step import SAMPLE
+from srs_ik.kernels.curves.in_step import SAMPLE, SAMPLE_WAY
 from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, near_runs, samples_of, survey_exact
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
@@ -25,7 +25,7 @@ from srs_ik.kernels.optimum.objectives import objective, toward_reference
 from srs_ik.kernels.optimum.search import ROUNDING, Objective, capped, close_in, find_brackets, survey_best, value_rows
 from srs_ik.kernels.optimum.split_runs import MOST_ROWS, is_on_surface, put_star, survey_splits
 
-__all__ = ["SAMPLE", "SPARE_ROWS"]
+__all__ = ["SAMPLE", "SAMPLE_WAY", "SPARE_ROWS"]
 """What a search in Python has to know of the kernels behind these."""
 
 ROWS_A_PIECE = 160

@@ -45,6 +45,9 @@ WIDEST = 5.0
 IN_STEP = 2
 """Arcs that are followed in step, four curves each."""
 
+LONGEST_ON_ARCS = 0.45
+"""Length of a step, rad, where curves are smooth between samples, and no best posture is looked for."""
+
 ARC_ROWS = 2048
 """Room for the samples of arcs in step."""
 
@@ -161,8 +164,12 @@ def put_marks_of_arcs(P, target, points, count, marks):
 
 
 @kernel
-def follow_arcs(P, by, points, count, runs):
-    """Follow the curves between the ends of some arcs: samples, and the number of feasible runs, -1 if it fails."""
+def follow_arcs(P, by, longest, ends, runs):
+    """Follow the curves between the ends of some arcs: samples, and the number of feasible runs, -1 if it fails.
+
+    In steps no longer than given, rad. `ends` are the points of these arcs, and how many arcs they are.
+    """
+    points, count = ends
     marks = np.full((8 * IN_STEP, MARK), np.inf)
     pieces = np.empty((ARC_ROWS, SAMPLE))
     line = np.empty((ARC_ROWS, SAMPLE))
@@ -171,7 +178,7 @@ def follow_arcs(P, by, points, count, runs):
     starts = put_marks_of_arcs(P, by.target, points, count, marks)
     if starts != 4 * count:
         return rows, -1
-    follow_marks(P, by.target, marks[: 8 * count], starts, pieces)
+    follow_marks(P, by.target, longest, marks[: 8 * count], starts, pieces)
     for i in range(starts):
         if marks[i, MARK_NEXT] < 0.0:
             return rows, -1
@@ -193,8 +200,9 @@ def mark_needed(arcs, n, possible, n_possible):
 
 
 @kernel
-def mark_around(arcs, n, psi, elbows):
-    """Mark the arcs of sides of the elbow (bits) that an arm angle lies on as needed; whether each side has one."""
+def mark_around(arcs, n, psi, branches):
+    """Mark the arcs of branches (bits) that an arm angle lies on as needed; whether each side of the elbow has one."""
+    elbows = (1 if branches & 0b1111 != 0 else 0) | (2 if branches >> 4 != 0 else 0)
     left = elbows
     for k in range(n):
         ahead = psi - arcs[k, ARC_LOWER]

@@ -94,20 +94,20 @@ def is_any_barely(found):
 
 
 @kernel
-def elbows_to_look_at(P, target, psi, wanted, A):
-    """Sides of the elbow, as bits, with a branch (or the wanted one, 0 to 7) that may have a better posture.
+def branches_to_look_at(P, target, psi, wanted, A):
+    """Branches, as bits, (or the wanted one, 0 to 7) that may have a better posture.
 
-    `close_all` has left it in A outside its limits or without a posture.
+    `close_all` has left them in A outside their limits or without a posture.
     """
-    elbows = 0
+    branches = 0
     for branch in range(8):
         value = A[FIRST + branch, ROW_COST]
         if value < OUTSIDE or (wanted >= 0 and branch != wanted):
             continue
         q = read7(row(A, FIRST + branch))
         if value >= NO_BRANCH or is_crowded(P) or may_have_others(P, target, psi, q):
-            elbows |= 1 << (branch >> 2)
-    return elbows
+            branches |= 1 << branch
+    return branches
 
 
 @kernel
@@ -193,13 +193,19 @@ def put_searched(P, target, psi, wanted, goal, found, A):
 
 @kernel
 def put_passed(P, by, followed, psi, goal, found):
-    """Take over what is better where curves pass an arm angle, or barely beside it, in rows of found (8, 8)."""
+    """Take over what is better where curves pass an arm angle, or barely beside it, in rows of found (8, 8).
+
+    Returns whether there are no others for certain.
+    """
     other = np.empty((8, 8))
-    for side in range(3):
-        on_curves.find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
+    certain = False
+    for side in range(3 if followed.runs.shape[0] > 0 else 0):
+        nearest = on_curves.find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
         put_better(other, found)
-        if followed.certain and not is_any_barely(found):
+        certain = on_curves.is_certain(by, followed, nearest) if side == 0 else certain
+        if certain and not is_any_barely(found):
             break
+    return certain
 
 
 @kernel
@@ -217,19 +223,26 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
             found[branch, i] = A[FIRST + branch, i]
     if highest_cost(found) < OUTSIDE or not may_reach(P, target.place):
         return kept
-    elbows = band.ANY_ELBOW if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, -1, A)
-    if elbows != 0:
+    branches = on_curves.EVERY_BRANCH
+    if not has_surface(P, target.place):
+        branches = branches_to_look_at(P, target, psi, -1, A)
+    if branches != 0:
         on_line = may_be_on_line(P, target.place)
         by = on_curves.setting_of(P, target, J, A)
-        followed = on_curves.curves_around(P, by, psi, elbows, kept)
-        kept = kept if followed.extent == on_curves.AROUND else followed
-        put_passed(P, by, followed, psi, goal, found)
+        certain = put_passed(P, by, on_curves.curves_on_arcs(P, by, psi, branches), psi, goal, found)
+        if highest_cost(found) < OUTSIDE:
+            return kept
+        if not certain:
+            # Those of every branch, though few may need them: so other arm angles of the pose have the same answers.
+            if kept.runs.shape[0] == 0:
+                kept = on_curves.followed_curves(P, by, on_curves.EVERY_BRANCH)
+            certain = put_passed(P, by, kept, psi, goal, found)
         unsure = is_any_barely(found) or (abs(target.place[3]) < STRETCHED and highest_cost(found) >= OUTSIDE)
-        if respect and not followed.certain and unsure and P[MISS] < ON_LINE * P[FAR]:
+        if respect and not certain and unsure and P[MISS] < ON_LINE * P[FAR]:
             # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
             within = Setting(target, by.side, True, J, A)
-            put_passed(P, within, on_curves.followed_curves(P, within), psi, goal, found)
-        if not followed.certain:
+            put_passed(P, within, on_curves.followed_curves(P, within, on_curves.EVERY_BRANCH), psi, goal, found)
+        if not certain:
             put_searched(P, target, psi, -1, goal, found, A)
         put_borders(P, goal, found)
         for branch in range(8):
@@ -247,32 +260,35 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
 def from_curves(P, by, followed, psi, wanted, goal, best):
     """The best posture of curves at an arm angle, or in a branch or on its border, if better than one known.
 
-    Each is given as q, branch, cost.
+    Each is given as q, branch, cost. Returns whether there is no other for certain, too.
     """
     found = np.empty((8, 8))
+    certain = False
     sides = 3 if wanted >= 0 and best[2] >= OUTSIDE else 1
-    for side in range(sides):
-        other = on_curves.best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
+    for side in range(sides if followed.runs.shape[0] > 0 else 0):
+        other, sure = on_curves.best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
+        certain = sure if side == 0 else certain
         if other[2] >= NO_BRANCH and sides > 1:
             other = on_border(P, found, wanted, goal)
         if other[2] < best[2]:
             best = other
-        if best[2] < OUTSIDE or (followed.certain and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
+        if best[2] < OUTSIDE or (certain and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
             break
-    return best
+    return best, certain
 
 
 @kernel
-def elbows_in_question(P, target, psi, wanted, goal, lowest, A):
-    """Sides of the elbow, as bits, on which curves may pass an arm angle at better postures than one of a cost."""
-    asked = band.ANY_ELBOW if wanted < 0 else 1 << (wanted >> 2)
+def branches_in_question(P, target, psi, wanted, goal, lowest, A):
+    """Branches, as bits, whose curves may pass an arm angle at better postures than one of a cost."""
+    asked = on_curves.EVERY_BRANCH if wanted < 0 else 1 << wanted
     if lowest < OUTSIDE:
         # Next to a singularity, Newton's method may have missed the posture that is nearest to a seed.
         missed = goal.seeded and lowest > AT_SEED and is_any_unsure(P, wanted, A)
         if missed and may_be_unsure_within(P, target.place, goal.seed, math.sqrt(lowest)):
-            return asked & band.untold_elbows(P, target.place, psi)
+            elbows = band.untold_elbows(P, target.place, psi)
+            return asked & ((0b1111 if elbows & 1 == 1 else 0) | (0b11110000 if elbows & 2 == 2 else 0))
         return 0
-    return elbows_to_look_at(P, target, psi, wanted, A)
+    return branches_to_look_at(P, target, psi, wanted, A)
 
 
 @kernel
@@ -302,25 +318,28 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
     q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
     if not may_reach(P, place_):
         return q, best, lowest
-    elbows = elbows_in_question(P, target, psi, wanted, goal, lowest, A)
-    if elbows == 0:
+    branches = branches_in_question(P, target, psi, wanted, goal, lowest, A)
+    if branches == 0:
         return q, best, lowest
     if lowest >= OUTSIDE and not seeded and may_be_on_line(P, place_):
         on_line = stretched(P, target, psi, wanted, goal, J, A)
         if on_line[2] < OUTSIDE:
             return on_line
     by = on_curves.setting_of(P, target, J, A)
-    followed = on_curves.curves_around(P, by, psi, elbows, on_curves.no_curves())
-    q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
-    if lowest < OUTSIDE or (followed.certain and not OUTSIDE <= lowest < OUTSIDE + BARELY):
+    followed = on_curves.curves_on_arcs(P, by, psi, branches)
+    (q, best, lowest), certain = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
+    if not certain and (lowest >= OUTSIDE or seeded or wanted < 0):
+        followed = on_curves.followed_curves(P, by, branches)
+        (q, best, lowest), certain = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
+    if lowest < OUTSIDE or (certain and not OUTSIDE <= lowest < OUTSIDE + BARELY):
         return q, best, lowest
     within, kept = Setting(target, by.side, True, J, A), followed.runs.shape[0]
     if respect:
         # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
-        inside = on_curves.followed_curves(P, within)
+        inside = on_curves.followed_curves(P, within, on_curves.EVERY_BRANCH)
         kept = inside.runs.shape[0]
-        q, best, lowest = from_curves(P, within, inside, psi, wanted, goal, (q, best, lowest))
-        if lowest < OUTSIDE or followed.certain:
+        (q, best, lowest), _ = from_curves(P, within, inside, psi, wanted, goal, (q, best, lowest))
+        if lowest < OUTSIDE or certain:
             return q, best, lowest
     if lowest >= NO_BRANCH:
         found = np.full((8, 8), 2.0 * NO_BRANCH)

@@ -18,6 +18,7 @@ from srs_ik.kernels.curves.ends import inside_of_blur
 from srs_ik.kernels.curves.follow import BLURRED, between, share_of_chord, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
+from srs_ik.kernels.curves.outreach import EVERY_PAIR
 from srs_ik.kernels.curves.runs import certain_runs, samples_of
 from srs_ik.kernels.curves.spans import JUST_OUTSIDE, MAX_SPANS
 from srs_ik.kernels.curves.told import (
@@ -34,14 +35,14 @@ from srs_ik.kernels.curves.told import (
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST, SOLVED
-from srs_ik.kernels.layout.asked import Goal, Samples, Setting
+from srs_ik.kernels.layout.asked import Samples, Setting
 from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_around, put_ends_of_arcs
+from srs_ik.kernels.near import arcs
 from srs_ik.kernels.near.band import band_of, may_predict
 from srs_ik.kernels.near.scan import view_with
 
@@ -77,8 +78,11 @@ SAME_CURVE = 1e-18
 """A posture that it leads to at once is this close to the curve, rad squared: others may cross it nearby."""
 
 
-AROUND, WHOLE, ALL_THERE_ARE = range(3)
-"""Curves next to an arm angle, all of a pose to which starts have led, and all there are for certain."""
+SOME, ALL_ASKED, WHOLE = range(3)
+"""Curves of a pose to which starts have led, and for certain all of branches that are asked for, or of all."""
+
+EVERY_BRANCH = 0b11111111
+"""The branches, as bits."""
 
 
 class Followed(NamedTuple):
@@ -87,8 +91,7 @@ class Followed(NamedTuple):
     rows: Any  # their samples
     runs: Any  # the rows of each
     told: Any  # (n, TOLD), of every sample
-    certain: Any  # whether there can be no others at the arm angle that is asked for
-    extent: Any  # of them: AROUND, WHOLE or ALL_THERE_ARE
+    extent: Any  # of them: SOME, ALL_ASKED or WHOLE
 
 
 @kernel
@@ -100,7 +103,7 @@ def setting_of(P, target, J, A):
 @kernel
 def no_curves():
     """No curves, as long as none have been followed."""
-    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), False, WHOLE)
+    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), SOME)
 
 
 @kernel
@@ -136,7 +139,7 @@ def told_runs(P, by, samples, n_samples, runs, extent):
     changes, met = np.empty((crossing.MOST_CHANGES, crossing.CHANGE)), np.empty((crossing.MOST_MET, crossing.MET))
     known = told, met[: crossing.meet_changes(P, by, samples, runs, told, met)]
     room = n_samples + 2 * MAX_SPANS
-    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), False, extent)
+    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), extent)
     n = 0
     for index in range(runs.shape[0]):
         curve = samples_of(samples, runs[index])
@@ -163,18 +166,21 @@ def told_runs(P, by, samples, n_samples, runs, extent):
 
 
 @kernel
-def followed_curves(P, by):
-    """Follow all curves of a pose, and look where they go from branch to branch."""
+def followed_curves(P, by, branches):
+    """Follow all curves of a pose that branches (bits) need, and look where they go from branch to branch."""
     runs = np.empty((MAX_RUNS, RUN))
-    (samples, n_samples, k, _), certain = certain_runs(P, by, runs)
-    return told_runs(P, by, samples, n_samples, runs[:k], ALL_THERE_ARE if certain else WHOLE)
+    (samples, n_samples, k, _), certain = certain_runs(P, by, (branches | branches >> 4) & EVERY_PAIR, runs)
+    extent = WHOLE if certain == EVERY_PAIR else (ALL_ASKED if certain != 0 else SOME)
+    return told_runs(P, by, samples, n_samples, runs[:k], extent)
 
 
 @kernel
-def with_certainty(P, by, followed, psi):
-    """Curves of which none is left out, and whether no other can pass an arm angle: none turns around close to it."""
-    sure = find_at_angle(P, by, followed, psi, -1, Goal(False, NO_SEED, False), np.empty((0, 8))) > CLOSE_CALL
-    return Followed(followed.rows, followed.runs, followed.told, sure, followed.extent)
+def is_certain(by, followed, nearest):
+    """Whether no other curve can pass an arm angle: none is left out, and none turns around close to it.
+
+    Where limits cut them, rounding decides. `nearest` is what `find_at_angle` returns.
+    """
+    return followed.extent != SOME and not by.respect and nearest > CLOSE_CALL
 
 
 @kernel
@@ -352,39 +358,37 @@ def best_found(found, wanted, seed):
 
 @kernel
 def best_on_curves(P, by, followed, psi, wanted, goal, out):
-    """The best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
-    find_at_angle(P, by, followed, psi, wanted, goal, out)
+    """The best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost.
+
+    And whether there is no other for certain.
+    """
+    nearest = find_at_angle(P, by, followed, psi, wanted, goal, out)
     found = best_found(out, wanted, goal.seed)
     if wanted >= 0 and found[2] >= NO_BRANCH:
         # A curve that has just left the branch may come back to it.
-        find_at_angle(P, by, followed, psi, -1, goal, out)
+        nearest = find_at_angle(P, by, followed, psi, -1, goal, out)
         found = best_found(out, wanted, goal.seed)
-    return found
+    return found, is_certain(by, followed, nearest)
 
 
 @kernel
-def curves_around(P, by, psi, elbows, kept):
-    """The curves of a pose around an arm angle, as far as sides of the elbow (bits) need them.
+def curves_on_arcs(P, by, psi, branches):
+    """The curves around an arm angle, as far as branches (bits) need them; none where arcs do not tell all.
 
-    Where the band of the nearest exact limb tells all but arcs next to singularities, the curves on these are followed
-    alone; else all of them, and where one turns around or goes over into another branch next to the arm angle. `kept`
-    are all of them, if they have been followed.
+    There the band of the nearest exact limb tells all but arcs next to singularities: the curves on these are followed
+    alone.
     """
     place_ = by.target.place
     band = band_of(P, place_)
     if may_predict(P, place_, band) and not has_surface(P, place_):
         view = view_with(P, by.target, band)
-        arcs = np.empty((MOST_ARCS, ARC))
-        n = find_arcs(P, view, arcs)
-        if n > 0 and mark_around(arcs, n, psi, elbows):
-            _, count = put_ends_of_arcs(P, view, arcs, n, 0)
+        found = np.empty((arcs.MOST_ARCS, arcs.ARC))
+        n = arcs.find_arcs(P, view, found)
+        if n > 0 and arcs.mark_around(found, n, psi, branches):
+            _, count = arcs.put_ends_of_arcs(P, view, found, n, 0)
             if count > 0:
                 runs = np.empty((MAX_RUNS, RUN))
-                samples, k = follow_arcs(P, by, view.points, count, runs)
+                samples, k = arcs.follow_arcs(P, by, arcs.LONGEST_ON_ARCS, (view.points, count), runs)
                 if k > 0:
-                    followed = told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], AROUND)
-                    followed = with_certainty(P, by, followed, psi)
-                    if followed.certain:
-                        return followed
-    followed = kept if kept.runs.shape[0] > 0 else followed_curves(P, by)
-    return with_certainty(P, by, followed, psi) if followed.extent == ALL_THERE_ARE else followed
+                    return told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], ALL_ASKED)
+    return no_curves()

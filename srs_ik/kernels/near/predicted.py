@@ -24,7 +24,16 @@ from srs_ik.kernels.layout.limb import SIZE, SLACK_JOIN
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.surface import has_surface
-from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_needed, put_ends_of_arcs, without_arcs
+from srs_ik.kernels.near.arcs import (
+    ARC,
+    LONGEST_ON_ARCS,
+    MOST_ARCS,
+    find_arcs,
+    follow_arcs,
+    mark_needed,
+    put_ends_of_arcs,
+    without_arcs,
+)
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
     may_meet_limits,
@@ -258,7 +267,7 @@ def put_arc_ends(P, view, count, ends, n, by):
     """
     runs = np.empty((MAX_RUNS, RUN))
     spans = np.empty((MAX_SPANS, SPAN))
-    rows, k = follow_arcs(P, by, view.points, count, runs)
+    rows, k = follow_arcs(P, by, LONGEST_ON_ARCS, (view.points, count), runs)
     if k < 0:
         return -1
     n_spans = find_spans(P, by, rows, runs[:k], spans)

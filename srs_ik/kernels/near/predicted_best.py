@@ -15,7 +15,7 @@ from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import STEPS, arm_angle
 from srs_ik.kernels.chain.newton_eight import all_times, close_eight
 from srs_ik.kernels.curves.best import best_of_runs, search_followed
-from srs_ik.kernels.curves.in_step import one_of_seven
+from srs_ik.kernels.curves.in_step import LONGEST_STEP, one_of_seven
 from srs_ik.kernels.exact.farthest import best_glance, copy_interval, draw_in, farthest_of_all
 from srs_ik.kernels.exact.intervals import intervals_of
 from srs_ik.kernels.jit import kernel
@@ -50,7 +50,7 @@ def best_on_arcs(P, box, by, points, count, branch, best):
     `box` is the limb with limits drawn in: postures outside them are not better.
     """
     runs = np.empty((MAX_RUNS, RUN))
-    rows, k = follow_arcs(box, by, points, count, runs)
+    rows, k = follow_arcs(box, by, LONGEST_STEP, (points, count), runs)
     return best_of_runs(P, by, rows, runs[: max(k, 0)], branch, Goal(False, NO_SEED, True), best), k >= 0
 
 

@@ -14,7 +14,7 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.triangle import read_target
 from srs_ik.kernels.near.at_angle import from_curves, solve_at_angle
 from srs_ik.kernels.near.band import is_told
-from srs_ik.kernels.near.on_curves import followed_curves, no_curves, setting_of
+from srs_ik.kernels.near.on_curves import EVERY_BRANCH, followed_curves, no_curves, setting_of
 from srs_ik.kernels.near.second_attempts import may_be_on_line, stretched
 from srs_ik.kernels.pose.on_limits import put_on_limits
 from srs_ik.kernels.pose.solve import solve_row_at
@@ -63,9 +63,9 @@ def self_motion_rows(family, T, intervals, respect, J, A, out):
             if found[2] >= OUTSIDE:
                 by = setting_of(P, target, J, A)
                 if not known:
-                    followed = followed_curves(P, by)
+                    followed = followed_curves(P, by, EVERY_BRANCH)
                     known = True
-                found = from_curves(P, by, followed, psi, branch, goal, found)
+                found, _ = from_curves(P, by, followed, psi, branch, goal, found)
             if found[2] >= OUTSIDE and searches < MOST_SEARCHES:
                 found = solve_at_angle(P, target, psi, branch, goal, J, A)
                 searches += 1
