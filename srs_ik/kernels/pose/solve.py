@@ -18,13 +18,14 @@ from srs_ik.kernels.chain.newton import CLOSED, clipped
 from srs_ik.kernels.exact.free_splits import worse_by
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import answer as at
-from srs_ik.kernels.layout.asked import Goal
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SHOULDER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line
+from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.postures_eight import farthest_branches, join_parts
-from srs_ik.kernels.limb.triangle import read_target
+from srs_ik.kernels.limb.triangle import place, read_target
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
@@ -165,10 +166,11 @@ def put_inside(family, target, psi, branch, found, goal):
 @kernel
 def solve_row_at(family, T, psi, branch, goal, J, A, out):
     """Solve one pose at an arm angle, in a branch (-1: any), into a row of `out`; returns the verdict on the pose."""
-    P = row(family, LIMITED)
-    target, verdict = read_target(P, row(T, 0))
+    R, p, verdict = read_pose(row(T, 0))
     if verdict != at.GOOD_POSE:
         return verdict
+    P = row(family, LIMITED)
+    target = Target(R, p, place(P, R, p))
     found = put_inside(family, target, psi, branch, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     if P[IS_NEAR] != 0.0 and found[2] >= NO_BRANCH:
         # No posture at all: the one that the nearest exact limb has may come closer than where Newton's method ended.
