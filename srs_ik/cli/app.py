@@ -30,7 +30,7 @@ from srs_ik.cli import (
     task,
     warm,
 )
-from srs_ik.cli.options import ExampleCommand, NumbersCommand, WrongInput, with_groups
+from srs_ik.cli.options import ExampleCommand, NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
 
 _HAND_OPTION = (
@@ -158,5 +158,5 @@ _COMMANDS = (
 """Name, function, class, and what the list of commands says of it: in one line of a terminal of 80 columns."""
 
 for name, function, kind, summary in _COMMANDS:
-    app.command(name, cls=kind, short_help=summary)(with_groups(function))
+    app.command(name, cls=kind, short_help=summary)(function)
 app.add_typer(map_use.map_app, name="map", short_help="Make and use maps of what an arm reaches.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli.joint_file import read_joints
-from srs_ik.cli.options import AsJson, OneArm, Seven, WrongInput
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
 from srs_ik.cli.pose_file import POSITION, QUATERNION, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def fk(
-    *,
+    source: Source,
     q: Annotated[Seven | None, typer.Option(metavar=JOINTS, help="Joint angles of the arm.")] = None,
     file: Annotated[
         Path | None,
@@ -27,12 +27,15 @@ def fk(
             metavar="JOINTS.csv", help="Joint angles of many configurations, one a line; the header names the joints."
         ),
     ] = None,
-    which: OneArm,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="POSES.csv", help="Write the poses here, as 'srs-ik path' and 'solve --file' read them."),
     ] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Joint angles are given in degrees.")] = False,
+    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Show the pose of the tip of an arm, in its base frame, for given joint angles.
@@ -47,7 +50,9 @@ def fk(
 
     import numpy as np
 
-    arm = which.load()
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     configurations = read_joints(file, arm.joint_names, unit) if file is not None else np.array([given])
     poses = arm.forward_kinematics_batch(configurations)
     if out is not None:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.freedom import Free
-from srs_ik.cli.options import AsJson, OneArm, Seven, WrongInput, fail, is_number, numbers
+from srs_ik.cli import freedom
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail, is_number, numbers
 from srs_ik.cli.pose_file import read_targets, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.waiting import counted
@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
 
 def follow(
-    *,
-    which: OneArm,
+    source: Source,
     poses: Annotated[
         Path,
         typer.Argument(
@@ -33,6 +32,10 @@ def follow(
         ),
     ],
     dt: Annotated[str, typer.Option(metavar="SECONDS", help="Time between two poses.")],
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     start: Annotated[
         Seven | None,
         typer.Option("--q", metavar=JOINTS, help="Joint angles to begin with; those of the first pose if not given."),
@@ -40,7 +43,8 @@ def follow(
     elbow: Annotated[
         str, typer.Option(metavar="keep|ANGLE|NAME", help="What the elbow does: keep, an arm angle, or an objective.")
     ] = "keep",
-    turn: Free,
+    free_axis: freedom.Axis = None,
+    cone: freedom.Cone = None,
     velocity: Annotated[
         str | None, typer.Option(metavar="RAD/S", help="Largest velocity of every joint; the robot's if not given.")
     ] = None,
@@ -70,7 +74,7 @@ def follow(
     unit = unit_of(degrees)
     (period,) = numbers("--dt", [dt])
     options: dict[str, Any] = {"elbow": _elbow(elbow, unit)}
-    free = turn.read(unit)
+    free = freedom.read(free_axis, cone, unit)
     if free is not None:
         options["free_axis"] = free
     if smoothing is not None:
@@ -85,7 +89,9 @@ def follow(
     refuse_onto(out, poses)
     targets = read_targets(poses, unit)
 
-    arm = which.load()
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     tracker = arm.tracker(_start(arm, targets, free) if q0 is None else q0, period, **options)
     steps = [tracker.update(T) for T in counted(targets, "following")]
     if out is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -22,27 +21,20 @@ Cone = Annotated[
 ]
 
 
-@dataclass
-class Free:
-    """What of a pose's rotation is free."""
+def read(axis: Three | None, cone: str | None, unit: float) -> FreeAxis | None:
+    """What is free.
 
-    free_axis: Axis = None
-    cone: Cone = None
+    Raises:
+        WrongInput: a cone about no axis, or none in degrees.
+        InvalidTask: no direction, or no cone.
+    """
+    if axis is None:
+        if cone is not None:
+            raise WrongInput("--cone says how far the direction of --free-axis may lean: give that too")
+        return None
+    from srs_ik.inputs.freedom import FreeAxis
 
-    def read(self, unit: float) -> FreeAxis | None:
-        """What is free.
-
-        Raises:
-            WrongInput: a cone about no axis, or none in degrees.
-            InvalidTask: no direction, or no cone.
-        """
-        if self.free_axis is None:
-            if self.cone is not None:
-                raise WrongInput("--cone says how far the direction of --free-axis may lean: give that too")
-            return None
-        from srs_ik.inputs.freedom import FreeAxis
-
-        lean = 0.0 if self.cone is None else numbers("--cone", [self.cone])[0]
-        if unit != 1.0 and not 0.0 <= lean <= 180.0:
-            raise WrongInput(f"--cone must be an angle from 0 to 180 degrees, not {self.cone}")
-        return FreeAxis(numbers("--free-axis", self.free_axis), unit * lean)
+    lean = 0.0 if cone is None else numbers("--cone", [cone])[0]
+    if unit != 1.0 and not 0.0 <= lean <= 180.0:
+        raise WrongInput(f"--cone must be an angle from 0 to 180 degrees, not {cone}")
+    return FreeAxis(numbers("--free-axis", axis), unit * lean)

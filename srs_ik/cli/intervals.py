@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AsJson, OneArm, fail
-from srs_ik.cli.poses import NoLimits, OnePose, unit_of
-from srs_ik.cli.scenes import Around
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, fail
+from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
+from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,11 +20,19 @@ if TYPE_CHECKING:
 
 
 def intervals(
-    *,
-    where: OnePose,
-    which: OneArm,
+    source: Source,
+    xyz: Xyz = None,
+    rpy: Rpy = None,
+    quat: Quat = None,
+    q: PoseOfQ = None,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
-    scene: Around,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    exact: Exact = False,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q).")] = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw the intervals into this file as well (extra 'plot').")
@@ -35,13 +43,17 @@ def intervals(
 
     An interval starts in [-pi, pi) and may pass pi; the whole circle is -pi to pi. Exit status 1 if there is none.
     """
-    pose, configuration = where.read(unit_of(degrees))
+    pose, configuration = read_pose(xyz, rpy, quat, q, unit_of(degrees))
     if plot is not None:
         from srs_ik.cli.picture import check
 
         check(plot, "--plot")
-    around = scene.read()
-    arm = which.load()
+
+    around = read(scene, margin, exact)
+
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     found = arm.intervals(pose, respect_limits=not no_limits, **around)
@@ -50,9 +62,9 @@ def intervals(
     elif found:
         _print_table(arm, found)
     if not found:
-        none = "no posture" if no_limits else "no posture inside the joint limits"
-        none += " and clear of the scene" if around else ""
-        fail(f"{none} meets the pose, whatever its arm angle; 'srs-ik solve' says what is left")
+        where = "no posture" if no_limits else "no posture inside the joint limits"
+        where += " and clear of the scene" if around else ""
+        fail(f"{where} meets the pose, whatever its arm angle; 'srs-ik solve' says what is left")
     if plot is not None:
         from srs_ik.cli.picture import save
         from srs_ik.plots import plot_intervals

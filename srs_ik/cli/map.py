@@ -10,8 +10,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, NumbersCommand, OneArm, Six, Three, WrongInput, numbers, with_groups
-from srs_ik.cli.scenes import Around, SceneFile
+from srs_ik.cli.options import (
+    AllowXacro,
+    AsJson,
+    Base,
+    Limb,
+    NumbersCommand,
+    Six,
+    Source,
+    Three,
+    Tip,
+    WrongInput,
+    numbers,
+)
+from srs_ik.cli.scenes import SceneFile, read
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -52,7 +64,7 @@ def _more(measure: list[str] | None, scene: Path | None, velocity: Three | None,
         "measures": measure or (),
         "velocity": None if velocity is None else numbers("--velocity", velocity),
         "force": None if force is None else numbers("--force", force),
-        "scene": Around(scene).read().get("scene"),
+        "scene": read(scene, None).get("scene"),
     }
 
 
@@ -71,9 +83,8 @@ def _bar(what: str, cells: int) -> Iterator[Progress]:
 
 
 @map_app.command("make", cls=NumbersCommand, short_help="Make a map, or go on with one.")
-@with_groups
 def make(
-    *,
+    source: Source,
     out: Annotated[
         Path, typer.Option(metavar="MAP", help="Folder for the map; one that is half made is gone on with.")
     ],
@@ -91,7 +102,10 @@ def make(
     dask: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Scheduler of a Dask cluster; 'local' starts one here.")
     ] = None,
-    which: OneArm,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
 ) -> None:
     """Make a map, or go on with one. It may be killed at any moment: what is done stays done.
 
@@ -99,9 +113,10 @@ def make(
     """
     metres, where = _grid(step, box, bounds)
 
+    from srs_ik.loading import load
     from srs_ik.maps.build import build_map, plan_map
 
-    arm = which.load()
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     more = _more(measure, scene, velocity, force)
     plan = plan_map(arm, metres, orientations=orientations, box_bounds=where, **more)
     with _client(dask) as client, _bar(f"{plan.cells:,} cells", plan.cells) as progress:
@@ -134,9 +149,8 @@ def _client(address: str | None) -> Iterator[Any]:
 
 
 @map_app.command("estimate", cls=NumbersCommand, short_help="Say how long a map would take.")
-@with_groups
 def estimate(
-    *,
+    source: Source,
     step: Step = "0.05",
     orientations: Turns = 2304,
     box: InBox = False,
@@ -146,7 +160,10 @@ def estimate(
     velocity: Velocity = None,
     force: Force = None,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processors that share the work.")] = None,
-    which: OneArm,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Say what a map would take, from the time of some of its cells."""
@@ -156,9 +173,10 @@ def estimate(
 
     metres, where = _grid(step, box, bounds)
 
+    from srs_ik.loading import load
     from srs_ik.maps.build import estimate as estimated
 
-    arm = which.load()
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     more = _more(measure, scene, velocity, force)
     found = estimated(arm, metres, orientations=orientations, box=where, workers=workers, **more)
     if as_json:

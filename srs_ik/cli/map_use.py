@@ -13,7 +13,7 @@ from srs_ik.cli.map import map_app as map_app
 from srs_ik.cli.options import AllowXacro, AsJson, ExampleCommand, Source, WrongInput, fail, numbers, warn
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
-from srs_ik.cli.scenes import Around, SceneFile
+from srs_ik.cli.scenes import SceneFile, read
 from srs_ik.cli.solve_file import MOST_LINES
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def _with_arm(source: str, folder: Path, scene: Path | None, allow_xacro: bool) 
     """A map with its arm, and its scene if it is of one."""
     from srs_ik.maps.reader import open_map
 
-    return open_map(folder, _arm(source, folder, allow_xacro), Around(scene).read().get("scene"))
+    return open_map(folder, _arm(source, folder, allow_xacro), read(scene, None).get("scene"))
 
 
 @map_app.command("verify", cls=ExampleCommand, short_help="Check the sums of a map, and some of its cells again.")

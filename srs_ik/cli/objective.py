@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -33,39 +32,35 @@ Tolerance = Annotated[
 ]
 
 
-@dataclass
-class Judged:
-    """An objective, and the parameters that it takes."""
+def read_objective(
+    name: str | None,
+    force: Three | None,
+    velocity: Three | None,
+    twist: Six | None,
+    wrench: Six | None,
+    reference: Seven | None,
+    tolerance: str | None,
+    unit: float,
+) -> Objective | str | None:
+    """The objective that the options give, the name of one that a scene has to tell, or None.
 
-    objective: Name = None
-    force: Force = None
-    velocity: Velocity = None
-    twist: Twist = None
-    wrench: Wrench = None
-    reference: Reference = None
-    tolerance: Tolerance = None
+    Raises:
+        WrongInput: a parameter without an objective, or words that are no finite numbers.
+        InvalidTask: an unknown objective, or not the parameters that it takes.
+    """
+    words = {"force": force, "velocity": velocity, "twist": twist, "wrench": wrench, "reference": reference}
+    given: dict[str, Any] = {key: numbers(f"--{key}", value) for key, value in words.items() if value is not None}
+    if tolerance is not None:
+        (given["tolerance"],) = numbers("--tolerance", [tolerance])
+    if name is None:
+        if given:
+            raise WrongInput(f"--{next(iter(given))} is a parameter of an objective: give --objective NAME")
+        return None
 
-    def read(self, unit: float) -> Objective | str | None:
-        """The objective that the options give, the name of one that a scene has to tell, or None.
+    from srs_ik.solve.objectives import CLEARANCE, Objective
 
-        Raises:
-            WrongInput: a parameter without an objective, or words that are no finite numbers.
-            InvalidTask: an unknown objective, or not the parameters that it takes.
-        """
-        name, words = self.objective, vars(self)
-        parameters = ("force", "velocity", "twist", "wrench", "reference")
-        given: dict[str, Any] = {key: numbers(f"--{key}", words[key]) for key in parameters if words[key] is not None}
-        if self.tolerance is not None:
-            (given["tolerance"],) = numbers("--tolerance", [self.tolerance])
-        if name is None:
-            if given:
-                raise WrongInput(f"--{next(iter(given))} is a parameter of an objective: give --objective NAME")
-            return None
-
-        from srs_ik.solve.objectives import CLEARANCE, Objective
-
-        if name == CLEARANCE and not given:
-            return name
-        if self.reference is not None:
-            given["reference"] = angles("--reference", self.reference, unit)
-        return Objective(name, **given)
+    if name == CLEARANCE and not given:
+        return name
+    if reference is not None:
+        given["reference"] = angles("--reference", reference, unit)
+    return Objective(name, **given)

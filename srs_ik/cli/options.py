@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import inspect
 import itertools
 import math
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, is_dataclass
-from functools import update_wrapper
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from collections.abc import Sequence
+from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperCommand
 
 from srs_ik.cli import EXIT_NO_SOLUTION
 from srs_ik.cli.examples import with_examples
-
-if TYPE_CHECKING:
-    from srs_ik.arm import Arm
 
 Three = tuple[str, str, str]
 Four = tuple[str, str, str, str]
@@ -52,45 +46,6 @@ Hand = Annotated[
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else, in metres and radians.")]
-
-
-@dataclass
-class OneArm:
-    """Which arm of a robot is meant."""
-
-    source: Source
-    base: Base = None
-    tip: Tip = None
-    limb: Limb = None
-    allow_xacro: AllowXacro = False
-
-    def load(self, **more: Any) -> Arm:
-        """The arm; arguments as of `srs_ik.load`."""
-        from srs_ik.loading import load
-
-        return load(**vars(self), **more)
-
-
-def with_groups(command: Callable[..., None]) -> Callable[..., None]:
-    """A command whose parameters of a data class stand for one option for each field of it."""
-    signature = inspect.signature(command, eval_str=True)
-    groups: dict[str, Any] = {
-        name: p.annotation for name, p in signature.parameters.items() if is_dataclass(p.annotation)
-    }
-
-    def run(**given: Any) -> None:
-        made = {name: group(**{f.name: given.pop(f.name) for f in fields(group)}) for name, group in groups.items()}
-        command(**given, **made)
-
-    parameters: list[inspect.Parameter] = []
-    for name, parameter in signature.parameters.items():
-        group = groups.get(name)
-        own = inspect.signature(group, eval_str=True).parameters.values() if group else [parameter]
-        parameters += [p.replace(kind=p.KEYWORD_ONLY) for p in own]
-    update_wrapper(run, command)
-    run.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    run.__annotations__ = {p.name: p.annotation for p in parameters}
-    return run
 
 
 FORMER_Q = "--from-q"

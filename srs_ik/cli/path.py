@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.freedom import Free
-from srs_ik.cli.options import AsJson, OneArm, Seven, WrongInput, fail, numbers, warn
+from srs_ik.cli import freedom
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail, numbers, warn
 from srs_ik.cli.picture import check
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
-from srs_ik.cli.scenes import Around
+from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 from srs_ik.cli.waiting import at_work
 
 if TYPE_CHECKING:
@@ -31,8 +31,7 @@ class Least(StrEnum):
 
 
 def path(
-    *,
-    which: OneArm,
+    source: Source,
     poses: Annotated[
         Path,
         typer.Argument(
@@ -41,10 +40,15 @@ def path(
             show_default=False,
         ),
     ],
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     seed: Annotated[
         Seven | None, typer.Option(metavar=JOINTS, help="Start near these joint angles; anywhere if not given.")
     ] = None,
-    turn: Free,
+    free_axis: freedom.Axis = None,
+    cone: freedom.Cone = None,
     dt: Annotated[
         str | None,
         typer.Option(
@@ -79,7 +83,9 @@ def path(
     degrees: Annotated[
         bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --seed, --cone ...).")
     ] = False,
-    scene: Around,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    exact: Exact = False,
     as_json: AsJson = False,
 ) -> None:
     """Find a continuous joint path through many poses, inside the joint limits, chosen as a whole.
@@ -92,7 +98,7 @@ def path(
     if plot is not None:
         check(plot, "--plot")
     options: dict[str, object] = {"objective": objective.value, "closed": closed}
-    free = turn.read(unit)
+    free = freedom.read(free_axis, cone, unit)
     if free is not None:
         options["free_axis"] = free
     if seed is not None:
@@ -106,9 +112,11 @@ def path(
         options["acceleration_limit"] = _accelerations(acceleration, objective)
     refuse_onto(out, poses)
     T_base_tip, lines = read_poses(poses, unit)
-    options.update(scene.read())
+    options.update(read(scene, margin, exact))
 
-    arm = which.load()
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     with at_work(f"a path through {len(T_base_tip)} poses"):
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AsJson, OneArm, Six, WrongInput, fail, numbers
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Six, Source, Tip, WrongInput, fail, numbers
 from srs_ik.cli.pose_file import POSITION, QUATERNION, read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.waiting import at_work
@@ -34,8 +34,7 @@ class By(StrEnum):
 
 
 def place(
-    *,
-    which: OneArm,
+    source: Source,
     poses: Annotated[
         Path,
         typer.Argument(
@@ -56,6 +55,10 @@ def place(
         str | None, typer.Option(metavar="Z", help="Height of that grid, metres; 0 if not given.")
     ] = None,
     yaws: Annotated[int, typer.Option(metavar="N", min=1, help="Turns of the base at each place of that grid.")] = 1,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     by: Annotated[By, typer.Option(help="Mean over all poses; those that are not reached count 0.")] = By.share,
     top: Annotated[int, typer.Option(metavar="N", min=1, help="Candidates to print.")] = 10,
     out: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Write all candidates here, best first.")] = None,
@@ -78,9 +81,10 @@ def place(
     else:
         T_room_base, _ = read_poses(candidates, unit)  # type: ignore[arg-type]
 
+    from srs_ik.loading import load
     from srs_ik.maps.placement import base_placement
 
-    arm = which.load()
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     with at_work(f"{len(T_room_base)} places for {len(T_room_tip)} poses"):
         found = base_placement(arm, T_room_tip, T_room_base, by.value)
     if out is not None:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli.ellipsoids import Part
-from srs_ik.cli.options import OneArm, WrongInput, fail
+from srs_ik.cli.options import AllowXacro, Base, Limb, Source, Tip, WrongInput, fail
 from srs_ik.cli.picture import check, save
-from srs_ik.cli.poses import NoLimits, OnePose, unit_of
+from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -26,7 +26,6 @@ class Kind(StrEnum):
 
 
 def plot(
-    *,
     kind: Annotated[
         Kind,
         typer.Argument(
@@ -35,11 +34,18 @@ def plot(
             show_default=False,
         ),
     ],
+    source: Source,
     output: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="The picture (png, pdf, svg, ...); has to be given.")
     ] = None,
-    where: OnePose,
-    which: OneArm,
+    xyz: Xyz = None,
+    rpy: Rpy = None,
+    quat: Quat = None,
+    q: PoseOfQ = None,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     branch: Annotated[
         int | None, typer.Option(metavar="0..7", help="Branch of 'arm-angle'; that of 'srs-ik solve' if not given.")
     ] = None,
@@ -61,12 +67,13 @@ def plot(
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
     if kind is Kind.ellipsoids and part is Part.full:
         raise WrongInput("--part of a picture is linear or angular")
-    pose, angles = where.read(unit_of(degrees))
+    pose, angles = read_pose(xyz, rpy, quat, q, unit_of(degrees))
     check(output, "--output")
 
     from srs_ik import plots
+    from srs_ik.loading import load
 
-    arm = which.load()
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if kind is Kind.ellipsoids:
         posture = angles if pose is None else _solved(arm, pose, not no_limits)
         figure = plots.plot_ellipsoids(arm, posture, limits, "angular" if part is Part.angular else "linear")

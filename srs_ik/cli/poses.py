@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -30,22 +29,6 @@ Quat = Annotated[
 PoseOfQ = Annotated[
     Seven | None, typer.Option("--q", metavar=JOINTS, help="Instead of a pose: the pose that these joint angles reach.")
 ]
-
-
-@dataclass
-class OnePose:
-    """A pose of the tip, or joint angles that reach it."""
-
-    xyz: Xyz = None
-    rpy: Rpy = None
-    quat: Quat = None
-    q: PoseOfQ = None
-
-    def read(self, unit: float) -> tuple[np.ndarray | None, list[float]]:
-        """See `read_pose`."""
-        return read_pose(self.xyz, self.rpy, self.quat, self.q, unit)
-
-
 NoLimits = Annotated[bool, typer.Option("--no-limits", help="Ignore the joint limits.")]
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import OneArm, Seven, WrongInput, fail
+from srs_ik.cli.options import AllowXacro, Base, Limb, Seven, Source, Tip, WrongInput, fail
 from srs_ik.cli.poses import JOINTS, Quat, Rpy, Xyz, angles, read_pose, unit_of
-from srs_ik.cli.scenes import Around, Margin, SceneFile
+from srs_ik.cli.scenes import Margin, SceneFile, read
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,12 +20,15 @@ if TYPE_CHECKING:
 
 
 def preview(
-    *,
+    source: Source,
     q: Annotated[Seven | None, typer.Option("--q", metavar=JOINTS, help="Joint angles to show.")] = None,
     xyz: Xyz = None,
     rpy: Rpy = None,
     quat: Quat = None,
-    which: OneArm,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     ellipsoids: Annotated[
         bool, typer.Option("--ellipsoids", help="Show the ellipsoids of velocity and force at the tip.")
     ] = False,
@@ -66,8 +69,11 @@ def preview(
     shown = None if q is None else angles("--q", q, unit)
     pose = read_pose(xyz, rpy, quat, None, unit)[0] if xyz or rpy or quat else None
 
-    around = Around(scene, margin).read()
-    arm = which.load()
+    around = read(scene, margin)
+
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if pose is not None:
         solution = arm.solve(pose, **around)
         if not solution:

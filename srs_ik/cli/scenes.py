@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,25 +26,17 @@ Margin = Annotated[
 Exact = Annotated[bool, typer.Option("--exact", help="With --scene: real shapes count, and not spheres around them.")]
 
 
-@dataclass
-class Around:
-    """What must not be touched."""
+def read(scene: Path | None, margin: str | None, exact: bool = False) -> dict[str, Any]:
+    """The arguments of a question that a scene and a margin make, none without a scene; raises WrongInput."""
+    if scene is None:
+        if margin is not None or exact:
+            raise WrongInput('--margin and --exact go with --scene FILE; {"objects": []} is the arm alone')
+        return {}
+    left = 0.0 if margin is None else numbers("--margin", [margin])[0]
 
-    scene: SceneFile = None
-    margin: Margin = None
-    exact: Exact = False
+    from srs_ik.collision.scene import Scene
 
-    def read(self) -> dict[str, Any]:
-        """The arguments of a question that a scene and a margin make, none without a scene; raises WrongInput."""
-        if self.scene is None:
-            if self.margin is not None or self.exact:
-                raise WrongInput('--margin and --exact go with --scene FILE; {"objects": []} is the arm alone')
-            return {}
-        left = 0.0 if self.margin is None else numbers("--margin", [self.margin])[0]
-
-        from srs_ik.collision.scene import Scene
-
-        return {"scene": Scene.from_file(self.scene, self.exact), "margin": left}
+    return {"scene": Scene.from_file(scene, exact), "margin": left}
 
 
 def bodies_of(arm: Arm) -> dict[str, Any]:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.freedom import Free
-from srs_ik.cli.objective import Judged
-from srs_ik.cli.options import AsJson, OneArm, Seven, WrongInput, fail
+from srs_ik.cli import freedom
+from srs_ik.cli import objective as objectives
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail
 from srs_ik.cli.pose_file import read_poses, refuse_onto
-from srs_ik.cli.poses import JOINTS, NoLimits, OnePose, angles, unit_of
-from srs_ik.cli.scenes import Around
+from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
+from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 from srs_ik.cli.solve_file import report
 
 if TYPE_CHECKING:
@@ -25,9 +25,15 @@ if TYPE_CHECKING:
 
 
 def solve(
-    *,
-    where: OnePose,
-    which: OneArm,
+    source: Source,
+    xyz: Xyz = None,
+    rpy: Rpy = None,
+    quat: Quat = None,
+    q: PoseOfQ = None,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     arm_angle: Annotated[
         str | None, typer.Option(metavar="ANGLE", help="Arm angle of the posture; zero as 'srs-ik inspect' says.")
     ] = None,
@@ -35,8 +41,15 @@ def solve(
         Seven | None, typer.Option(metavar=JOINTS, help="Choose the posture nearest to these joint angles.")
     ] = None,
     branch: Annotated[int | None, typer.Option(metavar="0..7", help="Choose the posture from this branch.")] = None,
-    turn: Free,
-    goal: Judged,
+    free_axis: freedom.Axis = None,
+    cone: freedom.Cone = None,
+    objective: objectives.Name = None,
+    force: objectives.Force = None,
+    velocity: objectives.Velocity = None,
+    twist: objectives.Twist = None,
+    wrench: objectives.Wrench = None,
+    reference: objectives.Reference = None,
+    tolerance: objectives.Tolerance = None,
     every: Annotated[
         bool,
         typer.Option("--all", help="Print every branch at the arm angle; without one, a posture for every interval."),
@@ -50,7 +63,9 @@ def solve(
         typer.Option(metavar="JOINTS.csv", help="With --file: write joint angles, radians, and statuses here."),
     ] = None,
     no_limits: NoLimits = False,
-    scene: Around,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    exact: Exact = False,
     degrees: Annotated[
         bool,
         typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q, --arm-angle, --seed, --cone ...)."),
@@ -68,17 +83,17 @@ def solve(
         raise WrongInput("--all prints every solution and goes with neither --seed nor --branch")
     if branch is not None and branch not in range(8):
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
-    judged = goal.read(unit)
+    judged = objectives.read_objective(objective, force, velocity, twist, wrench, reference, tolerance, unit)
     if judged is not None and (every or any(x is not None for x in (arm_angle, seed, branch))):
         raise WrongInput(
             "--objective goes with none of --arm-angle, --seed, --branch and --all: it searches all postures"
         )
     angle = None if arm_angle is None else angles("--arm-angle", [arm_angle], unit)[0]
     start = None if seed is None else angles("--seed", seed, unit)
-    free = turn.read(unit)
+    free = freedom.read(free_axis, cone, unit)
     if free is not None and (every or judged or any(x is not None for x in (arm_angle, branch))):
         raise WrongInput("--free-axis goes with none of --arm-angle, --branch, --objective and --all")
-    if file is not None and (every or judged or any(vars(where).values())):
+    if file is not None and (every or judged or xyz or rpy or quat or q):
         raise WrongInput("--file has the poses: it goes with none of --xyz, --rpy, --quat, --q, --all and --objective")
     if out is not None and file is None:
         raise WrongInput("--out writes what becomes of the poses of --file; for one pose there is --json")
@@ -86,9 +101,13 @@ def solve(
         refuse_onto(out, file)
         poses, lines = read_poses(file, unit)
     else:
-        pose, configuration = where.read(unit)
-    around = scene.read()
-    arm = which.load()
+        pose, configuration = read_pose(xyz, rpy, quat, q, unit)
+
+    around = read(scene, margin, exact)
+
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if file is not None:
         solved = arm.solve_batch(poses, angle, start, branch, respect_limits=not no_limits, free_axis=free, **around)
         report(arm, solved, file, lines, out, as_json)

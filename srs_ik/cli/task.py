@@ -7,10 +7,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.freedom import Free
-from srs_ik.cli.options import AsJson, Hand, OneArm, Seven, Three, WrongInput, fail, numbers
+from srs_ik.cli import freedom
+from srs_ik.cli.options import (
+    AllowXacro,
+    AsJson,
+    Base,
+    Hand,
+    Limb,
+    Seven,
+    Source,
+    Three,
+    Tip,
+    WrongInput,
+    fail,
+    numbers,
+)
 from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
-from srs_ik.cli.scenes import Around
+from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -34,7 +47,7 @@ class Tie(StrEnum):
 
 
 def task(
-    *,
+    source: Source,
     xyz: Xyz = None,
     velocity: Annotated[
         Three | None,
@@ -63,10 +76,16 @@ def task(
         typer.Option(metavar=JOINTS, help="Joint angles to stay near, rad: in branch, and in a roll left free."),
     ] = None,
     hand: Hand = None,
-    turn: Free,
-    which: OneArm,
+    free_axis: freedom.Axis = None,
+    cone: freedom.Cone = None,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
-    scene: Around,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    exact: Exact = False,
     as_json: AsJson = False,
 ) -> None:
     """Find the posture that suits a task, and the joint angles for it.
@@ -86,12 +105,20 @@ def task(
     start = None if seed is None else angles("--seed", seed, 1.0, "")
 
     from srs_ik.inputs.task import Task
+    from srs_ik.loading import load
     from srs_ik.solve.task import TaskSolution
 
     wanted = Task(position, **given)
-    around = scene.read()
-    free = turn.read(1.0)
-    arm = which.load(hand=None if axes is None else [axes[:3], axes[3:]])
+    around = read(scene, margin, exact)
+    free = freedom.read(free_axis, cone, 1.0)
+    arm = load(
+        source,
+        base=base,
+        tip=tip,
+        limb=limb,
+        allow_xacro=allow_xacro,
+        hand=None if axes is None else [axes[:3], axes[3:]],
+    )
     solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start, free_axis=free, **around)
     assert isinstance(solution, TaskSolution)
     if as_json:
