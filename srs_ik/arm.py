@@ -334,8 +334,8 @@ class Arm(BodyOwner):
     def intervals_batch(
         self,
         poses: Any,
-        respect_limits: bool = True,
         threads: int | None = None,
+        respect_limits: bool = True,
         *,
         scene: Scene | None = None,
         margin: float = 0.0,
@@ -344,8 +344,8 @@ class Arm(BodyOwner):
 
         Args:
             poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
-            respect_limits: whether the joint limits have to be kept.
             threads: at most so many; all processors if not given.
+            respect_limits: whether the joint limits have to be kept.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m; it goes with a scene.
 
