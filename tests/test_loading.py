@@ -206,6 +206,28 @@ def test_mimicking_joints_are_no_joints_of_a_limb():
 # load: which limb
 
 
+def test_models_that_know_mimicking_joints_give_the_arms_of_their_file():
+    """Pinocchio has no velocity for such a joint, but a column in the Jacobian, which moves those of all joints behind."""
+    follows = moving("root", "lift", "prismatic") + moving("lift", "torso", "prismatic").replace(
+        "</joint>", '<mimic joint="root_lift"/></joint>'
+    )
+    finger = moving("left_l7", "a") + moving("left_l7", "b").replace("</joint>", '<mimic joint="left_l7_a"/></joint>')
+    arms = [serial_arm(prefix=side) + fixed("torso", f"{side}l0", new=False) for side in ("left_", "right_")]
+    xml = robot('<link name="root"/>', follows, arms[0], finger, arms[1])
+    model = pin.buildModelFromXML(xml, mimic=True)
+    assert model.nvExtended == model.nv + 2
+    assert [summary(report) for report in find_limbs(model)] == [summary(report) for report in find_limbs(xml)]
+    q = np.linspace(-0.7, 0.6, 7)
+    data = model.createData()
+    for side in ("left", "right"):
+        arm = load(model, limb=side)
+        assert arm.limb.kind == "exact"
+        pin.framesForwardKinematics(model, data, arm.configuration(q, model))
+        base, tip = (data.oMf[model.getFrameId(frame)] for frame in (arm.base, arm.tip))
+        solution = arm.solve(base.actInv(tip), seed=q)
+        np.testing.assert_allclose(solution.q, q, atol=1e-9)  # rad; rounding of the closed form
+
+
 def test_two_arms_are_ambiguous_until_one_is_named():
     xml = bimanual()
     with pytest.raises(AmbiguousLimb, match="2 arms of 'twins' fit") as raised:

@@ -203,7 +203,8 @@ class Skeleton:
     def measure(self, joints: Sequence[int], base: str, tip: str) -> Lines:
         """The axes of revolute joints between two frames as lines, by Pinocchio's Jacobian."""
         T_base_world = self._data.oMf[self.find_frame(base)].inverse()
-        columns = [self.model.joints[joint].idx_v for joint in joints]
+        # Columns of joints that mimic another are there too, where Pinocchio has them as such.
+        columns = [self.model.joints[joint].idx_vExtended for joint in joints]
         axes = (T_base_world.rotation @ self._J_world[3:, columns]).T
         points = np.array([T_base_world.act(self._data.oMi[joint].translation) for joint in joints])
         return Lines(axes, points, self.transform(base, tip))
