@@ -207,7 +207,7 @@ def test_mimicking_joints_are_no_joints_of_a_limb():
 
 
 def test_models_that_know_mimicking_joints_give_the_arms_of_their_file():
-    """Pinocchio has no velocity for such a joint, but a column in the Jacobian, which moves those of all joints behind."""
+    """Such a joint has no velocity of its own, but a column in the Jacobian, before those of all joints behind it."""
     follows = moving("root", "lift", "prismatic") + moving("lift", "torso", "prismatic").replace(
         "</joint>", '<mimic joint="root_lift"/></joint>'
     )
