@@ -2,6 +2,7 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 import xml.etree.ElementTree as ElementTree
 from importlib import metadata
 
@@ -369,6 +370,26 @@ def test_limits_that_look_like_degrees_are_noted():
     (report,) = find_limbs(robot(six, fingers))
     first = "preferred to chains that share joints with it: l0 -> f1; limits are in radians, and those of f2_joint are"
     assert report.note.startswith(first)
+
+
+def test_joints_that_a_file_leaves_without_a_range_are_told():
+    """A <limit> without lower and upper means 0 for both; the file is valid, and the arm cannot move."""
+    xml = robot(serial_arm().replace('lower="-2" upper="2" ', "", 2))
+    said = "j1, j2 cannot move: lower and upper limit are 0, as where a file leaves them out"
+    assert find_limbs(xml)[0].note == said
+    with pytest.warns(UserWarning, match=f"^the URDF text: {said}$"):
+        assert load(xml).upper.tolist() == [0.0, 0.0, 2.0, 2.0, 2.0, 2.0, 2.0]
+
+
+@pytest.mark.parametrize("part", ['lower="-150" upper="150" ', ""])
+def test_odd_limits_are_a_warning_unless_others_are_given(part):
+    xml = robot(serial_arm().replace('lower="-2" upper="2" ', part, 1))
+    with pytest.warns(UserWarning, match="j1"):
+        load(xml)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert load(xml, limits={"j1": {"lower": -1.0, "upper": 1.0}}).lower[0] == -1.0
+        load(robot(serial_arm()))
 
 
 # load: from what

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +14,12 @@ from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLim
 from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
 from srs_ik.robot.arguments import check_path, check_texts
-from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_odd_limits_noted
+from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_oddities_noted
 from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
 from srs_ik.robot.description.srdf import chain_of
 from srs_ik.robot.limb import Hand, Vector
+from srs_ik.robot.oddities import odd_limits
 from srs_ik.robot.recognition import default_reference, recognise
 from srs_ik.robot.sides import is_meant
 from srs_ik.robot.skeleton import Skeleton
@@ -96,8 +98,10 @@ def load(
         limb = None
     joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip)
+    described = chain
     for changed in (description.limits, limits):
         chain = changes.within_limits(chain, changed) if changed is not None else chain
+    _warn_of_oddities(description, described, {**description.limits, **(limits or {})})
     reference = asked_reference if asked_reference is not None else _meant_reference(description, chain)
     axes = asked_hand if asked_hand is not None else _meant_hand(description, chain)
     if description.tool is not None and tip == description.tip:
@@ -138,7 +142,15 @@ def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None, allow_x
     description = describe(source, xacro_args=xacro_args, allow_xacro=allow_xacro)
     skeleton = Skeleton(description.robot.model)
     candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
-    return [with_odd_limits_noted(description, skeleton, candidate) for candidate in weigh(candidates, skeleton)]
+    return [with_oddities_noted(description, skeleton, candidate) for candidate in weigh(candidates, skeleton)]
+
+
+def _warn_of_oddities(description: Description, chain: Chain, given: Collection[str]) -> None:
+    """Warn of what is odd in a description, but for the limits of joints for which others are given."""
+    ranges = zip(chain.joint_names, chain.lower.tolist(), chain.upper.tolist(), strict=True)
+    limits = {name: (lower, upper) for name, lower, upper in ranges if name not in given}
+    for clause in odd_limits(limits):
+        warnings.warn(f"{description.robot.source}: {clause}", UserWarning, stacklevel=4)
 
 
 def _choose(

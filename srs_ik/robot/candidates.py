@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from srs_ik.errors import listed
 from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind
+from srs_ik.robot.oddities import odd_limits
 from srs_ik.robot.recognition import recognise
 from srs_ik.robot.sides import Side, side_of
 from srs_ik.robot.skeleton import Skeleton
@@ -19,9 +19,6 @@ from srs_ik.robot.sources import Description
 
 _NOT_SHOWN_MM = 1e-3
 """Misses below a micrometre are rounding of a file's figures, not worth a line of a message."""
-
-_WIDEST, _LARGEST = 16.0 * 2.0 * math.pi, 720.0
-"""Limits farther apart than the first, rad, with figures up to the second are likely degrees; larger ones mean none."""
 
 _SHORTEST_ARM = 4
 """Joints before a fork that are rather an arm with a hand to come than a trunk with arms to come."""
@@ -47,8 +44,8 @@ class LimbReport:
         locked: names of the other moving joints between the root of the robot and the tip, from the root outwards; an
             arm has them fixed at their neutral position.
         note: which chains that share joints with it were set aside in its favour or, if refused, where it forks on its
-            way, as an arm of six joints does with the fingers of its gripper; which limits look like degrees; empty if
-            there is nothing to say.
+            way, as an arm of six joints does with the fingers of its gripper; which limits look like degrees, or let a
+            joint not move; empty if there is nothing to say.
     """
 
     base: str
@@ -164,21 +161,12 @@ def weigh(candidates: Collection[Candidate], skeleton: Skeleton) -> list[Candida
     return [*sorted(limbs, key=_place), *sorted(chains, key=_place)]
 
 
-def with_odd_limits_noted(description: Description, skeleton: Skeleton, candidate: Candidate) -> LimbReport:
-    """The report of a candidate, whose note says so if limits of the description look like degrees."""
-    ranges = {}
-    for joint in candidate.joints:
-        name, (lower, upper) = skeleton.joint_names[joint], skeleton.limits(joint)
-        if upper - lower > _WIDEST and max(-lower, upper) <= _LARGEST and name not in description.limits:
-            ranges[name] = upper - lower
+def with_oddities_noted(description: Description, skeleton: Skeleton, candidate: Candidate) -> LimbReport:
+    """The report of a candidate, whose note says what of the description was probably meant otherwise."""
+    names = {joint: skeleton.joint_names[joint] for joint in candidate.joints}
+    limits = {name: skeleton.limits(joint) for joint, name in names.items() if name not in description.limits}
     report = candidate.report
-    if not ranges:
-        return report
-    said = (
-        f"limits are in radians, and those of {listed(list(ranges))} are up to {max(ranges.values()):g} rad apart, "
-        "more than 16 turns: they look like degrees"
-    )
-    return replace(report, note=f"{report.note}; {said}" if report.note else said)
+    return replace(report, note="; ".join([report.note] * bool(report.note) + odd_limits(limits)))
 
 
 def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector, allowed_mm: float) -> str:

@@ -1,0 +1,30 @@
+"""What of a description was probably meant otherwise: figures in another unit than that of the format, or left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from srs_ik.errors import listed
+
+_WIDEST, _LARGEST = 16.0 * 2.0 * math.pi, 720.0
+"""Limits farther apart than the first, rad, with figures up to the second are likely degrees; larger ones mean none."""
+
+
+def odd_limits(limits: Mapping[str, tuple[float, float]]) -> list[str]:
+    """What is odd about position limits of a description, rad, by joint: a clause for each kind."""
+    wide = {
+        name: upper - lower
+        for name, (lower, upper) in limits.items()
+        if upper - lower > _WIDEST and max(-lower, upper) <= _LARGEST
+    }
+    still = [name for name, range_ in limits.items() if range_ == (0.0, 0.0)]
+    said = []
+    if wide:
+        said.append(
+            f"limits are in radians, and those of {listed(list(wide))} are up to {max(wide.values()):g} rad apart, "
+            "more than 16 turns: they look like degrees"
+        )
+    if still:
+        said.append(f"{listed(still)} cannot move: lower and upper limit are 0, as where a file leaves them out")
+    return said
