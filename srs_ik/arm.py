@@ -59,6 +59,7 @@ class Arm(BodyOwner):
         velocity_limit: (7,) rad/s; inf where the description gives none.
         effort_limit: (7,) N m; inf where the description gives none.
         model: `pinocchio.Model` of the 7 joints.
+        locked: where other joints of the robot stand that were not locked at zero, by name, rad or m.
         limb: the recognised limb.
         hand: axes of the hand, where known.
         drawing: where the shapes of the robot are; None if it was loaded from a ``pinocchio.Model`` or MJCF.

@@ -72,7 +72,7 @@ def test_every_command_that_takes_a_robot_reads_it_alike():
     taking = [options for options in every if {"source", "robot"} & options or {"folder", "exact"} <= options]
     assert len(taking) >= 16
     for options in taking:
-        assert options >= {"allow_xacro", "xacro_arg"}
+        assert options >= {"allow_xacro", "xacro_arg", "lock"}
         assert "folder" in options or options >= {"base", "tip", "limb", "srdf"}
 
 

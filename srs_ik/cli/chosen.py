@@ -10,7 +10,7 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from srs_ik.cli.options import WrongInput
+from srs_ik.cli.options import WrongInput, numbers
 
 Chosen = dict[str, Any]
 """Arguments of `load`, in the parameter `chosen` of a command."""
@@ -31,10 +31,15 @@ XacroArg = Annotated[
 AllowXacro = Annotated[
     bool, typer.Option("--allow-xacro", help="Run the xacro file that an adapter names; such a file is a program.")
 ]
+Lock = Annotated[
+    list[str] | None,
+    typer.Option("--lock", metavar="NAME:=VALUE", help="Where another joint stands, rad or m; repeatable. Else at 0."),
+]
 
 READING: Mapping[str, tuple[Any, Any]] = {
     "xacro_arg": (XacroArg, None),
     "allow_xacro": (AllowXacro, False),
+    "lock": (Lock, None),
 }
 """Options that say how a description is read, by the name of their parameter: type and default."""
 
@@ -78,8 +83,9 @@ def _with_options(command: Callable[..., None], options: Mapping[str, tuple[Any,
 
 def _said(words: dict[str, Any]) -> Chosen:
     """What the options say, as arguments of `load`."""
-    xacro_args = _pairs("--xacro-arg", words.pop("xacro_arg"))
-    return {**words, "xacro_args": xacro_args}
+    xacro_args, lock = _pairs("--xacro-arg", words.pop("xacro_arg")), _pairs("--lock", words.pop("lock"))
+    locked = None if lock is None else {name: numbers(f"--lock {name}", [word])[0] for name, word in lock.items()}
+    return {**words, "xacro_args": xacro_args, "locked": locked}
 
 
 def _pairs(option: str, words: list[str] | None) -> dict[str, str] | None:

@@ -96,7 +96,7 @@ def _names_one_arm(source: str, reading: Chosen) -> bool:
     """True for an adapter and for the name of an arm: of a robot with two they mean one."""
     from srs_ik.robot.sources import describe
 
-    return describe(source, **reading).tip is not None
+    return describe(source, xacro_args=reading["xacro_args"], allow_xacro=reading["allow_xacro"]).tip is not None
 
 
 def _all(source: str, reading: Chosen) -> list[dict[str, Any]]:
@@ -150,6 +150,7 @@ def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
         "reason": "",
         "note": report.note if report else "",
         "locked": list(report.locked) if report else [],
+        "locked_at": dict(report.locked_at) if report else {},
         "joint_names": list(arm.joint_names),
         "misses_mm": 1e3 * limb.misses,
         "wrist_kind": limb.wrist_kind,
@@ -207,6 +208,7 @@ def _print_refused(out: Console, finding: dict[str, Any], chain: str) -> None:
 
 def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     from srs_ik.cli.render import direction, fixed, table
+    from srs_ik.robot.candidates import places_of
 
     names, misses = finding["joint_names"], finding["misses_mm"]
     chain = f"{finding['base'] or '?'} -> {finding['tip'] or '?'}"
@@ -218,7 +220,7 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     if finding["note"]:
         out.print(finding["note"])
     if finding["locked"]:
-        out.print(f"locked on the way to it: {', '.join(finding['locked'])}")
+        out.print(f"locked on the way to it: {places_of(finding['locked'], finding['locked_at'])}")
     lengths = [
         (name.replace("_", " "), fixed(1e3 * finding[name], 3))
         for name in ("upper_arm", "forearm", "hand", "elbow_offset")

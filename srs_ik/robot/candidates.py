@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind
-from srs_ik.robot.oddities import odd_limits
+from srs_ik.robot.oddities import odd_limits, out_of_range
 from srs_ik.robot.recognition import recognise
 from srs_ik.robot.sides import Side, side_of
 from srs_ik.robot.skeleton import Skeleton
@@ -42,10 +42,11 @@ class LimbReport:
         limb: the limb between `base` and `tip`; None if refused.
         reason: one clause that says why it is refused, with axes numbered from 1; empty otherwise.
         locked: names of the other moving joints between the root of the robot and the tip, from the root outwards; an
-            arm has them fixed at their neutral position.
+            arm has them fixed.
+        locked_at: where those are that are not fixed at their neutral position, rad or m.
         note: which chains that share joints with it were set aside in its favour or, if refused, where it forks on its
             way, as an arm of six joints does with the fingers of its gripper; which limits look like degrees, or let a
-            joint not move; empty if there is nothing to say.
+            joint not move; which joints are locked where they cannot be; empty if there is nothing to say.
     """
 
     base: str
@@ -60,6 +61,7 @@ class LimbReport:
     reason: str
     locked: tuple[str, ...] = ()
     note: str = ""
+    locked_at: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -82,7 +84,7 @@ class LimbReport:
         if self.kind == "near":
             lengths.append(f"axes miss their centres by up to {self.misses_mm.max():.3f} mm")
         article = "an exact" if self.kind == "exact" else "a near"
-        locked = f"; locked on the way to it: {', '.join(self.locked)}" if self.locked else ""
+        locked = f"; locked on the way to it: {places_of(self.locked, self.locked_at)}" if self.locked else ""
         note = f"; {self.note}" if self.note else ""
         return f"{ends} is {article} S-R-S limb with {self.wrist_kind} wrist, {', '.join(lengths)}{locked}{note}."
 
@@ -119,6 +121,7 @@ def examine(
     if reference is None and base == description.base:
         reference = description.reference
     found = recognise(lines.axes, lines.points, lines.T_base_tip_zero, reference)
+    locked = [k for k in skeleton.path(skeleton.joint_of(tip)) if k not in joints]
     report = LimbReport(
         base=base,
         tip=tip,
@@ -130,8 +133,11 @@ def examine(
         wrist_kind=found.limb.wrist_kind if found.limb is not None else None,
         limb=found.limb,
         reason=found.reason,
-        locked=tuple(skeleton.joint_names[k] for k in skeleton.path(skeleton.joint_of(tip)) if k not in joints),
+        locked=tuple(skeleton.joint_names[k] for k in locked),
         note=_fork(skeleton, joints) if found.limb is None else "",
+        locked_at={
+            name: x for name in map(skeleton.joint_names.__getitem__, locked) if (x := description.locked.get(name))
+        },
     )
     return Candidate(tuple(joints), report)
 
@@ -166,7 +172,13 @@ def with_oddities_noted(description: Description, skeleton: Skeleton, candidate:
     names = {joint: skeleton.joint_names[joint] for joint in candidate.joints}
     limits = {name: skeleton.limits(joint) for joint, name in names.items() if name not in description.limits}
     report = candidate.report
-    return replace(report, note="; ".join([report.note] * bool(report.note) + odd_limits(limits)))
+    said = odd_limits(limits) + out_of_range(description.robot.model, report.locked, description.locked)
+    return replace(report, note="; ".join([report.note] * bool(report.note) + said))
+
+
+def places_of(names: Sequence[str], positions: Mapping[str, float]) -> str:
+    """Names of locked joints, each with where it is locked, unless that is its neutral position."""
+    return ", ".join(f"{name} at {positions[name]:g}" if positions.get(name) else name for name in names)
 
 
 def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector, allowed_mm: float) -> str:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from srs_ik.errors import listed
+from srs_ik.robot.skeleton import limits_of
 
 _WIDEST, _LARGEST = 16.0 * 2.0 * math.pi, 720.0
 """Limits farther apart than the first, rad, with figures up to the second are likely degrees; larger ones mean none."""
@@ -28,3 +30,10 @@ def odd_limits(limits: Mapping[str, tuple[float, float]]) -> list[str]:
     if still:
         said.append(f"{listed(still)} cannot move: lower and upper limit are 0, as where a file leaves them out")
     return said
+
+
+def out_of_range(model: Any, joints: Iterable[str], locked: Mapping[str, float]) -> list[str]:
+    """That joints of a model are locked where they cannot be: at zero, as nobody says where; at most one clause."""
+    ranges = {name: limits_of(model, model.joints[model.getJointId(name)]) for name in joints if name not in locked}
+    wrong = [f"{name} ({lower:g} to {upper:g})" for name, (lower, upper) in ranges.items() if not lower <= 0.0 <= upper]
+    return [f"locked at 0, where it cannot be: {listed(wrong)}; locked= says where it is"] if wrong else []
