@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed, quoted
+from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidRobot, InvalidTask, NotAnSrsLimb, listed, quoted
 from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
 from srs_ik.robot.arguments import check_path, check_texts
@@ -73,7 +73,7 @@ def load(
         locked: where other joints of the robot stand, rad or m, such as ``{"lift": 0.3}``; those that are not named are
             at zero. They count where they lie between base and tip.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
-        srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains.
+        srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains, and are not given then.
         xacro_args: arguments of a xacro file. Such a file is a program, with what the user may do: load those that you
             trust.
         allow_xacro: whether to run a xacro file that an adapter names. One that you name yourself is run in any case.
@@ -95,6 +95,8 @@ def load(
     check_texts(base=base, tip=tip, name=name, limb=limb)
     if srdf is not None:
         check_path("srdf", srdf)
+        if base is not None or tip is not None:
+            raise InvalidRobot("srdf names a chain, with its base and tip: it goes with neither base nor tip")
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
     description = _standing(describe(source, urdf, xacro_args, allow_xacro), locked)
