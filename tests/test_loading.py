@@ -392,6 +392,16 @@ def test_odd_limits_are_a_warning_unless_others_are_given(part):
         load(robot(serial_arm()))
 
 
+def test_lengths_that_look_like_millimetres_are_told():
+    """An arm of 0.6 m in millimetres, and one of 14 m that is no slip: arms in space are as long."""
+    said = "lengths are in metres, and the arm is 600 m long: are these millimetres?"
+    xml = robot(serial_arm(offsets="0 0 300 0 300 0 100"))
+    assert find_limbs(xml)[0].note == said
+    with pytest.warns(UserWarning, match=re.escape(f"the URDF text: {said}")):
+        load(xml)
+    assert find_limbs(robot(serial_arm(offsets="0 0 7 0 7 0 1")))[0].note == ""
+
+
 # load: from what
 
 

@@ -19,9 +19,9 @@ from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, w
 from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
 from srs_ik.robot.description.srdf import chain_of
-from srs_ik.robot.limb import Hand, Vector
+from srs_ik.robot.limb import Hand, SrsLimb, Vector
 from srs_ik.robot.locked import as_locked, configuration_of
-from srs_ik.robot.oddities import odd_limits, out_of_range
+from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range
 from srs_ik.robot.recognition import default_reference, recognise
 from srs_ik.robot.sides import is_meant
 from srs_ik.robot.skeleton import Skeleton
@@ -108,7 +108,6 @@ def load(
     described = chain
     for changed in (description.limits, limits):
         chain = changes.within_limits(chain, changed) if changed is not None else chain
-    _warn_of_oddities(description, described, {**description.limits, **(limits or {})})
     reference = asked_reference if asked_reference is not None else _meant_reference(description, chain)
     axes = asked_hand if asked_hand is not None else _meant_hand(description, chain)
     if description.tool is not None and tip == description.tip:
@@ -126,6 +125,7 @@ def load(
         clause = explained(found.reason, chain.joint_names, misses_mm, allowed_mm)
         message = f"{description.robot.source}: {base} -> {tip} is no S-R-S limb: {clause}"
         raise NotAnSrsLimb(message, chain.joint_names, misses_mm.tolist(), allowed_mm)
+    _warn_of_oddities(description, described, found.limb, {**description.limits, **(limits or {})})
     hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
     return Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
 
@@ -158,12 +158,12 @@ def find_limbs(
     return [with_oddities_noted(description, skeleton, candidate) for candidate in weigh(candidates, skeleton)]
 
 
-def _warn_of_oddities(description: Description, chain: Chain, given: Collection[str]) -> None:
+def _warn_of_oddities(description: Description, chain: Chain, limb: SrsLimb, given: Collection[str]) -> None:
     """Warn of what is odd in a description, but for the limits of joints for which others are given."""
     ranges = zip(chain.joint_names, chain.lower.tolist(), chain.upper.tolist(), strict=True)
     limits = {name: (lower, upper) for name, lower, upper in ranges if name not in given}
-    model = description.robot.model
-    for clause in odd_limits(limits) + out_of_range(model, chain.between, description.locked):
+    elsewhere = out_of_range(description.robot.model, chain.between, description.locked)
+    for clause in (*odd_limits(limits), *odd_size(limb), *elsewhere):
         warnings.warn(f"{description.robot.source}: {clause}", UserWarning, stacklevel=4)
 
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind
-from srs_ik.robot.oddities import odd_limits, out_of_range
+from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range
 from srs_ik.robot.recognition import recognise
 from srs_ik.robot.sides import Side, side_of
 from srs_ik.robot.skeleton import Skeleton
@@ -46,7 +46,8 @@ class LimbReport:
         locked_at: where those are that are not fixed at their neutral position, rad or m.
         note: which chains that share joints with it were set aside in its favour or, if refused, where it forks on its
             way, as an arm of six joints does with the fingers of its gripper; which limits look like degrees, or let a
-            joint not move; which joints are locked where they cannot be; empty if there is nothing to say.
+            joint not move; which joints are locked where they cannot be; that
+            lengths look like millimetres; empty if there is nothing to say.
     """
 
     base: str
@@ -172,7 +173,11 @@ def with_oddities_noted(description: Description, skeleton: Skeleton, candidate:
     names = {joint: skeleton.joint_names[joint] for joint in candidate.joints}
     limits = {name: skeleton.limits(joint) for joint, name in names.items() if name not in description.limits}
     report = candidate.report
-    said = odd_limits(limits) + out_of_range(description.robot.model, report.locked, description.locked)
+    said = [
+        *odd_limits(limits),
+        *odd_size(report.limb),
+        *out_of_range(description.robot.model, report.locked, description.locked),
+    ]
     return replace(report, note="; ".join([report.note] * bool(report.note) + said))
 
 

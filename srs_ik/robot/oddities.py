@@ -7,10 +7,14 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from srs_ik.errors import listed
+from srs_ik.robot.limb import SrsLimb
 from srs_ik.robot.skeleton import limits_of
 
 _WIDEST, _LARGEST = 16.0 * 2.0 * math.pi, 720.0
 """Limits farther apart than the first, rad, with figures up to the second are likely degrees; larger ones mean none."""
+
+_LONG = 30.0
+"""No arm is as long as this from shoulder over elbow to wrist, m; one of 3 cm is, in a file in millimetres."""
 
 
 def odd_limits(limits: Mapping[str, tuple[float, float]]) -> list[str]:
@@ -30,6 +34,14 @@ def odd_limits(limits: Mapping[str, tuple[float, float]]) -> list[str]:
     if still:
         said.append(f"{listed(still)} cannot move: lower and upper limit are 0, as where a file leaves them out")
     return said
+
+
+def odd_size(limb: SrsLimb | None) -> list[str]:
+    """That a limb is longer than any arm; at most one clause."""
+    length = 0.0 if limb is None else limb.upper_arm + limb.forearm
+    if length < _LONG:
+        return []
+    return [f"lengths are in metres, and the arm is {length:.4g} m long: are these millimetres?"]
 
 
 def out_of_range(model: Any, joints: Iterable[str], locked: Mapping[str, float]) -> list[str]:
