@@ -70,8 +70,7 @@ def build_chain(
         raise NotAnSrsLimb(f"the tip frame {tip!r} is not moved by joint {names[6]!r}, the last of the limb", names)
     lines = skeleton.measure(range(1, 8), base, tip)
     lower, upper = _position_limits(reduced)
-    whole = Skeleton(model)
-    between = {*whole.joints_between(base, tip), *whole.joints_between(tip, base)}.difference(joints)
+    between = _between(model, joints, base, tip) if others else []
     return Chain(
         model=reduced,
         base=base,
@@ -87,8 +86,15 @@ def build_chain(
         velocity_limit=_given_or_infinite(reduced.velocityLimit),
         effort_limit=_given_or_infinite(reduced.effortLimit),
         locked=dict(locked or {}),
-        between={model.names[joint]: _part(model.joints[joint], configuration) for joint in sorted(between)},
+        between={model.names[joint]: _part(model.joints[joint], configuration) for joint in between},
     )
+
+
+def _between(model: Any, joints: Sequence[int], base: str, tip: str) -> list[int]:
+    """The other joints that lie between two frames."""
+    whole = Skeleton(model)
+    ways = whole.joints_between(base, tip) + whole.joints_between(tip, base)
+    return [joint for joint in ways if joint not in joints]
 
 
 def _part(joint: Any, configuration: Vector) -> tuple[float, ...]:
