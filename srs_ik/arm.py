@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.collision.figures import refuse_margin
 from srs_ik.collision.owner import BodyOwner, BodyPlan
-from srs_ik.errors import NotAnSrsLimb
+from srs_ik.errors import InvalidConfiguration, NotAnSrsLimb
 from srs_ik.inputs.numbers import as_flag
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_gravity, as_rigid_matrix
 from srs_ik.kernels.entries import kinematics as entries
@@ -58,6 +58,7 @@ class Arm(BodyOwner):
         velocity_limit: (7,) rad/s; inf where the description gives none.
         effort_limit: (7,) N m; inf where the description gives none.
         model: `pinocchio.Model` of the 7 joints.
+        locked: where other joints of the robot stand that were not locked at zero, by name, rad or m.
         limb: the recognised limb.
         hand: axes of the hand, where known.
         drawing: where the shapes of the robot are; None if it was loaded from a ``pinocchio.Model`` or MJCF.
@@ -185,7 +186,7 @@ class Arm(BodyOwner):
             seed: (7,) for all, or (N, 7), rad.
             branch: 0 to 7 for all; any if not given.
             all_branches: give all 8 branches at the arm angle (which is then required) as (N, 8) arrays; those that are
-                no solution say so in their status.
+                no solution say so in their status. It goes with neither seed nor branch.
             respect_limits: whether q has to keep the joint limits.
             threads: at most so many; all processors if not given.
             free_axis: as for `solve`, for all.
@@ -195,12 +196,14 @@ class Arm(BodyOwner):
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
             InvalidConfiguration: seed, arm angle, branch or threads are malformed, or all branches are asked for
-                without an arm angle.
+                without an arm angle, or with a seed or a branch.
             InvalidTask: no free axis, or one beside what it does not go with.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
         respect, every = as_flag(respect_limits, "respect_limits"), as_flag(all_branches, "all_branches")
+        if every and (seed is not None or branch is not None):
+            raise InvalidConfiguration("all_branches gives every branch: it goes with neither seed nor branch")
         if free_axis is not None:
             from srs_ik.solve import freedom
 
@@ -333,8 +336,8 @@ class Arm(BodyOwner):
     def intervals_batch(
         self,
         poses: Any,
-        respect_limits: bool = True,
         threads: int | None = None,
+        respect_limits: bool = True,
         *,
         scene: Scene | None = None,
         margin: float = 0.0,
@@ -343,8 +346,8 @@ class Arm(BodyOwner):
 
         Args:
             poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
-            respect_limits: whether the joint limits have to be kept.
             threads: at most so many; all processors if not given.
+            respect_limits: whether the joint limits have to be kept.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m; it goes with a scene.
 

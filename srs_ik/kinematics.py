@@ -19,8 +19,12 @@ from srs_ik.inputs.messages import picked, positions_by_name
 from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix
 from srs_ik.robot.chain import Chain
+from srs_ik.robot.locked import configuration_of
 from srs_ik.robot.skeleton import is_revolute
 from srs_ik.system.arrays import Array
+
+_ELSEWHERE = 1e-3
+"""Rad or m by which a joint between base and tip may be measured elsewhere than an arm has it locked."""
 
 
 def check_arm(arm: Any, error: type[SrsIkError] = InvalidRobot) -> None:
@@ -42,10 +46,11 @@ class ChainKinematics(Fixed):
         velocity_limit: (7,) rad/s; inf where the description gives none.
         effort_limit: (7,) N m; inf where the description gives none.
         model: `pinocchio.Model` of the 7 joints.
+        locked: where other joints of the robot stand that were not locked at zero, by name, rad or m.
     """
 
     _fixed = frozenset(
-        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "model")
+        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "model", "locked")
     )
 
     def __init__(self, chain: Chain, name: str) -> None:
@@ -58,6 +63,8 @@ class ChainKinematics(Fixed):
         self.velocity_limit = chain.velocity_limit
         self.effort_limit = chain.effort_limit
         self.model = chain.model
+        self.locked = chain.locked
+        self._between = chain.between
         self._base_frame = chain.base_id
         self._tip_frame = chain.tip_id
 
@@ -67,22 +74,43 @@ class ChainKinematics(Fixed):
         Args:
             q: (7,) joint angles, rad.
             model: `pinocchio.Model` of the whole robot, which has these joints by name; that of the arm if not given.
-            others: (model.nq,) configuration of that robot, for its other joints; its neutral one if not given.
+            others: (model.nq,) configuration of that robot, for its other joints; if not given, where the arm has them
+                locked. Those between base and tip are no farther from there than 0.001 rad or m.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles, a model that lacks one of the joints, or others of another size.
+            InvalidConfiguration: not 7 finite angles, a model that lacks one of the joints, or others of another size,
+                or with which the tip would not be where the arm has it.
         """
         q = as_joint_vector(q)
         if model is None and others is not None:
             raise InvalidConfiguration("others are those of a whole robot: give its model, too")
         joints = self._joints if model is None else self._joints_in(model)
-        configuration = np.empty(self.model.nq) if model is None else _whole(model, others)
+        configuration = np.empty(self.model.nq) if model is None else self._whole(model, others)
         for angle, joint in zip(q, joints, strict=True):
             if joint.nq == 1:
                 configuration[joint.idx_q] = angle
             else:
                 configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
         return configuration
+
+    def _whole(self, model: Any, others: ArrayLike | None) -> Array:
+        """A configuration of a whole robot that its caller may write into."""
+        known = {name: model.joints[k] for k, name in enumerate(model.names)}
+        if others is None:
+            return configuration_of(model, {name: x for name, x in self.locked.items() if name in known})
+        whole = _finite(others, model)
+        for name, at in self._between.items():
+            joint = known.get(name)
+            if joint is None or joint.nq != len(at):
+                continue
+            there = whole[joint.idx_q : joint.idx_q + joint.nq]
+            if np.abs(there - at).max(initial=0.0) > _ELSEWHERE:
+                where = f"at {there[0]:g}, not at {at[0]:g}" if len(at) == 1 else "elsewhere"
+                raise InvalidConfiguration(
+                    f"joint {name!r}, between base and tip, is {where} where the arm has it; load takes its position "
+                    "as locked={joint: position}"
+                )
+        return whole
 
     def angles(self, configuration: ArrayLike, model: Any = None) -> Array:
         """7 joint angles of a configuration (model.nq,) of Pinocchio; those of continuous joints in [-pi, pi].
@@ -218,8 +246,3 @@ def _finite(configuration: ArrayLike, model: Any) -> Array:
     if values.shape != (model.nq,) or not np.isfinite(values).all():
         raise InvalidConfiguration(f"a configuration of {model.name} is {model.nq} finite numbers")
     return values
-
-
-def _whole(model: Any, others: ArrayLike | None) -> Array:
-    """A configuration of a whole robot that its caller may write into."""
-    return np.array(pin.neutral(model)) if others is None else _finite(others, model)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from arms import FROM_FILES, configurations, file_of, load
 from command_line import answer, run
-from robot_files import serial_arm
+from robot_files import joint_xml, serial_arm
 
 import srs_ik
 from srs_ik.errors import InvalidRobot
@@ -143,10 +143,12 @@ def test_the_adapter_of_the_documentation_loads(arm_file, tmp_path):
     page = (Path(__file__).resolve().parents[1] / "docs" / "add_your_robot.md").read_text()
     (snippet,) = re.findall(r"```toml\n(.+?)```", page, re.DOTALL)
     text = arm_file.read_text().replace("l0", "base_link").replace("l7", "flange").replace("j2", "joint_2")
-    (tmp_path / "welder.urdf").write_text(text)
+    lift = '<link name="floor"/>' + joint_xml("lift", "floor", "base_link", "prismatic")
+    (tmp_path / "welder.urdf").write_text(text.replace("</robot>", f"{lift}</robot>"))
     (tmp_path / "robot.toml").write_text(snippet.split("[xacro]")[0])
     arm = srs_ik.load(tmp_path / "robot.toml")
     assert (arm.name, arm.base, arm.tip, arm.upper[1]) == ("welder", "table", "tool", 1.9)
+    assert arm.locked == {"lift": 0.3}
     q = [0.1] * 7
     assert arm.solve(arm.forward_kinematics(q), seed=q)
 

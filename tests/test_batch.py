@@ -232,6 +232,8 @@ def test_a_bad_pose_is_named():
         ({"branch": -1}, InvalidConfiguration),
         ({"branch": 1.0}, InvalidConfiguration),
         ({"all_branches": True}, InvalidConfiguration),
+        ({"all_branches": True, "arm_angle": 0.1, "branch": 2}, InvalidConfiguration),
+        ({"all_branches": True, "arm_angle": 0.1, "seed": np.zeros(7)}, InvalidConfiguration),
         ({"threads": 0}, SrsIkError),
         ({"threads": 1.5}, SrsIkError),
         ({"threads": True}, SrsIkError),

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import POSE, Q, answer, pose_by_pinocchio, run, run_apart
-from robot_files import at_hand, robot_file
+from robot_files import at_hand, joint_xml, robot_file, serial_arm
 
 import srs_ik
 from srs_ik import cli
@@ -33,6 +33,34 @@ def test_solve_finds_joint_angles_that_reach_the_pose_asked_for():
     assert found["status"] == "OK"
     assert np.allclose(found["T_base_tip"], asked, rtol=0.0, atol=1e-15)
     assert np.allclose(pose_by_pinocchio("iiwa14", found["q"]), asked, rtol=0.0, atol=1e-11)
+
+
+def test_a_xacro_file_that_needs_an_argument_is_solved_with_it(tmp_path):
+    path = tmp_path / "needs.urdf.xacro"
+    links = serial_arm(prefix="$(arg side)_")
+    path.write_text(f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">{links}</robot>')
+    said = run("fk", str(path), "--q", *Q).stderr
+    assert said.endswith("give it one, --xacro-arg side:=VALUE\n")
+    found = answer("solve", str(path), "--q", *Q, "--seed", *Q, "--xacro-arg", "side:=left")
+    assert (found["base"], found["tip"]) == ("left_l0", "left_l7")
+    np.testing.assert_allclose(found["q"], np.array(Q, dtype=float), atol=1e-9)  # rad
+    assert run("fk", str(path), "--q", *Q, "--xacro-arg", "side").stderr.startswith(
+        "srs-ik: --xacro-arg takes NAME:=VALUE, not 'side'"
+    )
+
+
+def test_an_srdf_chooses_the_arm(tmp_path):
+    robot = "".join(
+        serial_arm(prefix=side) + joint_xml(f"to_{side}", "torso", f"{side}l0", "fixed", "")
+        for side in ("left_", "right_")
+    )
+    Path(tmp_path / "twins.urdf").write_text(f'<robot name="twins"><link name="torso"/>{robot}</robot>')
+    Path(tmp_path / "twins.srdf").write_text(
+        '<robot name="twins"><group name="this"><chain base_link="torso" tip_link="right_l7"/></group></robot>'
+    )
+    words = ["fk", str(tmp_path / "twins.urdf"), "--q", *Q, "--srdf", str(tmp_path / "twins.srdf"), "--limb", "this"]
+    found = answer(*words)
+    assert (found["base"], found["tip"]) == ("torso", "right_l7")
 
 
 def test_roll_pitch_and_yaw_are_those_of_a_urdf():

@@ -65,12 +65,15 @@ def test_the_list_of_commands_is_cut_nowhere(group):
     assert all(len(line) <= 80 and line.endswith((".", ")")) and not line.endswith("...") for line in listed if line)
 
 
-def test_every_command_that_takes_a_robot_can_be_allowed_its_xacro_file():
+def test_every_command_that_takes_a_robot_reads_it_alike():
+    """A xacro file by its arguments, if it is allowed to run; and an arm by its names, unless a map has these."""
     asked = [command for command in app.registered_commands + map_app.registered_commands if command.name != "bench"]
-    taking = [each for each in asked if {"source", "robot", "exact"} & set(inspect.signature(each.callback).parameters)]
-    assert len(taking) >= 14
-    lacking = [each.name for each in taking if "allow_xacro" not in inspect.signature(each.callback).parameters]
-    assert lacking == []
+    every = [set(inspect.signature(each.callback).parameters) for each in asked]
+    taking = [options for options in every if {"source", "robot"} & options or {"folder", "exact"} <= options]
+    assert len(taking) >= 16
+    for options in taking:
+        assert options >= {"allow_xacro", "xacro_arg", "lock"}
+        assert "folder" in options or options >= {"base", "tip", "limb", "srdf"}
 
 
 @pytest.mark.parametrize("command", ["solve", "intervals", "ellipsoids"])

@@ -109,6 +109,16 @@ def test_the_whole_circle_and_nothing():
     assert {(each.lower, each.upper) for each in batch[1]} >= {(-np.pi, np.pi)}
 
 
+def test_threads_are_the_second_argument_as_of_reachable_batch():
+    arm = arms.load("iiwa14")
+    _, poses = poses_of("iiwa14")
+    assert_same(arm.intervals_batch(poses[:16], 2), arm.intervals_batch(poses[:16], threads=1))
+    assert_same(arm.intervals_batch(poses[:16], None, False), arm.intervals_batch(poses[:16], respect_limits=False))
+    # What meant "without limits" before is refused, not read as no threads.
+    with pytest.raises(SrsIkError, match="threads"):
+        arm.intervals_batch(poses[:16], False)
+
+
 def test_malformed_input_is_refused():
     arm = arms.load("iiwa14")
     _, poses = poses_of("iiwa14")

@@ -2,6 +2,7 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 import xml.etree.ElementTree as ElementTree
 from importlib import metadata
 
@@ -206,6 +207,28 @@ def test_mimicking_joints_are_no_joints_of_a_limb():
 # load: which limb
 
 
+def test_models_that_know_mimicking_joints_give_the_arms_of_their_file():
+    """Such a joint has no velocity of its own, but a column in the Jacobian, before those of all joints behind it."""
+    follows = moving("root", "lift", "prismatic") + moving("lift", "torso", "prismatic").replace(
+        "</joint>", '<mimic joint="root_lift"/></joint>'
+    )
+    finger = moving("left_l7", "a") + moving("left_l7", "b").replace("</joint>", '<mimic joint="left_l7_a"/></joint>')
+    arms = [serial_arm(prefix=side) + fixed("torso", f"{side}l0", new=False) for side in ("left_", "right_")]
+    xml = robot('<link name="root"/>', follows, arms[0], finger, arms[1])
+    model = pin.buildModelFromXML(xml, mimic=True)
+    assert model.nvExtended == model.nv + 2
+    assert [summary(report) for report in find_limbs(model)] == [summary(report) for report in find_limbs(xml)]
+    q = np.linspace(-0.7, 0.6, 7)
+    data = model.createData()
+    for side in ("left", "right"):
+        arm = load(model, limb=side)
+        assert arm.limb.kind == "exact"
+        pin.framesForwardKinematics(model, data, arm.configuration(q, model))
+        base, tip = (data.oMf[model.getFrameId(frame)] for frame in (arm.base, arm.tip))
+        solution = arm.solve(base.actInv(tip), seed=q)
+        np.testing.assert_allclose(solution.q, q, atol=1e-9)  # rad; rounding of the closed form
+
+
 def test_two_arms_are_ambiguous_until_one_is_named():
     xml = bimanual()
     with pytest.raises(AmbiguousLimb, match="2 arms of 'twins' fit") as raised:
@@ -347,6 +370,36 @@ def test_limits_that_look_like_degrees_are_noted():
     (report,) = find_limbs(robot(six, fingers))
     first = "preferred to chains that share joints with it: l0 -> f1; limits are in radians, and those of f2_joint are"
     assert report.note.startswith(first)
+
+
+def test_joints_that_a_file_leaves_without_a_range_are_told():
+    """A <limit> without lower and upper means 0 for both; the file is valid, and the arm cannot move."""
+    xml = robot(serial_arm().replace('lower="-2" upper="2" ', "", 2))
+    said = "j1, j2 cannot move: lower and upper limit are 0, as where a file leaves them out"
+    assert find_limbs(xml)[0].note == said
+    with pytest.warns(UserWarning, match=f"^the URDF text: {said}$"):
+        assert load(xml).upper.tolist() == [0.0, 0.0, 2.0, 2.0, 2.0, 2.0, 2.0]
+
+
+@pytest.mark.parametrize("part", ['lower="-150" upper="150" ', ""])
+def test_odd_limits_are_a_warning_unless_others_are_given(part):
+    xml = robot(serial_arm().replace('lower="-2" upper="2" ', part, 1))
+    with pytest.warns(UserWarning, match="j1"):
+        load(xml)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert load(xml, limits={"j1": {"lower": -1.0, "upper": 1.0}}).lower[0] == -1.0
+        load(robot(serial_arm()))
+
+
+def test_lengths_that_look_like_millimetres_are_told():
+    """An arm of 0.6 m in millimetres, and one of 14 m that is no slip: arms in space are as long."""
+    said = "lengths are in metres, and the arm is 600 m long: are these millimetres?"
+    xml = robot(serial_arm(offsets="0 0 300 0 300 0 100"))
+    assert find_limbs(xml)[0].note == said
+    with pytest.warns(UserWarning, match=re.escape(f"the URDF text: {said}")):
+        load(xml)
+    assert find_limbs(robot(serial_arm(offsets="0 0 7 0 7 0 1")))[0].note == ""
 
 
 # load: from what

@@ -314,6 +314,16 @@ def test_what_is_far_from_a_pose_has_no_nearest_one(matrix, says):
 
 # What is no number, and arguments that nobody means
 
+
+def test_roll_pitch_and_yaw_that_look_like_degrees_are_told():
+    with pytest.warns(UserWarning, match=r"^rpy is in radians, and 180 rad is more than a turn: are these degrees\?$"):
+        T = srs_ik.pose_from_xyz_rpy([0, 0, 1], (180, 0, 0))
+    np.testing.assert_allclose(T.rotation[1:, 1], [np.cos(180), np.sin(180)], atol=1e-12)  # in radians all the same
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        srs_ik.pose_from_xyz_rpy([0, 0, 1], [2 * np.pi, -np.pi, 0.1])
+
+
 COMPLEX = np.complex128(0.5 + 0.1j)
 SILLY = {
     "complex arm angle": lambda arm, T: arm.solve(T, arm_angle=COMPLEX),

@@ -2,6 +2,7 @@
 
 import re
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -116,6 +117,18 @@ def test_xacro_files_with_arguments(package):
     assert report.limb.upper_arm == pytest.approx(0.4)
 
 
+def test_an_argument_that_a_xacro_file_makes_no_use_of_is_told(package):
+    pytest.importorskip("xacro")
+    path = package / "urdf" / "grown.urdf.xacro"
+    said = r"grown\.urdf\.xacro makes no use of the argument 'raech' \(did you mean 'reach'\?\)$"
+    with pytest.warns(UserWarning, match=said):
+        arm = srs_ik.load(path, xacro_args={"raech": "0.5"})
+    assert arm.limb.upper_arm == pytest.approx(0.3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        srs_ik.load(path, xacro_args={"reach": "0.5"})
+
+
 def test_what_is_wrong_with_a_xacro_file_is_one_line(package, monkeypatch, capfd):
     pytest.importorskip("xacro")
     path = package / "urdf" / "grown.urdf.xacro"
@@ -144,6 +157,9 @@ def test_what_is_wrong_with_a_xacro_file_is_one_line(package, monkeypatch, capfd
     monkeypatch.setitem(sys.modules, "xacro", None)
     with pytest.raises(MissingExtra, match=re.escape(install_command("xacro"))):
         srs_ik.load(path)
+    # No package would bring a file that is not there.
+    with pytest.raises(InvalidRobot, match="there is no file"):
+        srs_ik.load(package / "none.xacro")
 
 
 def test_a_recursive_xacro_macro_ends(package):
@@ -250,6 +266,9 @@ def test_chains_of_an_srdf_choose_the_limb(tmp_path):
     arm = srs_ik.load(twins(), srdf=path, limb="right_arm")
     assert (arm.base, arm.tip) == ("torso", "right_l7")
     assert srs_ik.load(twins(), srdf=SRDF, limb="left_arm").base == "left_l0"
+    for ends in ({"base": "torso"}, {"tip": "right_l7"}):
+        with pytest.raises(InvalidRobot, match="it goes with neither base nor tip"):
+            srs_ik.load(twins(), srdf=path, limb="right_arm", **ends)
 
 
 @pytest.mark.parametrize(

@@ -43,7 +43,7 @@ FLAGS = {
     "all branches": ("all_branches", lambda arm, pose, flag: arm.solve_batch([pose], 0.1, all_branches=flag)),
     "free axis": ("respect_limits", lambda arm, pose, flag: arm.solve(pose, respect_limits=flag, free_axis=[0, 0, 1])),
     "intervals": ("respect_limits", lambda arm, pose, flag: arm.intervals(pose, flag)),
-    "intervals_batch": ("respect_limits", lambda arm, pose, flag: arm.intervals_batch([pose], flag)),
+    "intervals_batch": ("respect_limits", lambda arm, pose, flag: arm.intervals_batch([pose], None, flag)),
     "optimise": ("respect_limits", lambda arm, pose, flag: arm.optimise(pose, "manipulability", flag)),
     "self_motion": ("respect_limits", lambda arm, pose, flag: arm.self_motion(pose, respect_limits=flag)),
     "free_splits": ("respect_limits", lambda arm, pose, flag: arm.free_splits(pose, flag)),

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import AsJson, Seven, Source, Three, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 
 if TYPE_CHECKING:
@@ -41,13 +42,11 @@ class Axes(StrEnum):
 PartOption = Annotated[Part, typer.Option(help="Of the tip point, of its rotation, or both in one (mixed units).")]
 
 
+@choosing
 def ellipsoids(
     source: Source,
+    chosen: Chosen,
     q: Annotated[Seven | None, typer.Option(metavar=JOINTS, help="Joint angles of the arm; has to be given.")] = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     part: PartOption = Part.linear,
     limits: Annotated[
         bool, typer.Option("--limits", help="Weigh the joints by the arm's velocity and torque limits.")
@@ -85,7 +84,7 @@ def ellipsoids(
     from srs_ik.analysis.ellipsoids import force_ellipsoid, isotropy, limits_of, manipulability, velocity_ellipsoid
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     velocity_limit, effort_limit = (limits_of(arm, kind) for kind in ("velocity", "effort")) if limits else (None, None)
     J = arm.jacobian(configuration)
     R = arm.forward_kinematics(configuration).rotation if axes is Axes.tip else np.eye(3)

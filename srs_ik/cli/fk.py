@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.joint_file import read_joints
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.options import AsJson, Seven, Source, WrongInput
 from srs_ik.cli.pose_file import POSITION, QUATERNION, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 
@@ -18,8 +19,10 @@ if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
 
+@choosing
 def fk(
     source: Source,
+    chosen: Chosen,
     q: Annotated[Seven | None, typer.Option(metavar=JOINTS, help="Joint angles of the arm.")] = None,
     file: Annotated[
         Path | None,
@@ -27,15 +30,11 @@ def fk(
             metavar="JOINTS.csv", help="Joint angles of many configurations, one a line; the header names the joints."
         ),
     ] = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="POSES.csv", help="Write the poses here, as 'srs-ik path' and 'solve --file' read them."),
     ] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Joint angles are given in degrees.")] = False,
-    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Show the pose of the tip of an arm, in its base frame, for given joint angles.
@@ -52,7 +51,7 @@ def fk(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     configurations = read_joints(file, arm.joint_names, unit) if file is not None else np.array([given])
     poses = arm.forward_kinematics_batch(configurations)
     if out is not None:

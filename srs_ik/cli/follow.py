@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import freedom
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail, is_number, numbers
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, is_number, numbers
 from srs_ik.cli.pose_file import read_targets, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.waiting import counted
@@ -21,8 +22,10 @@ if TYPE_CHECKING:
     from srs_ik.solve.tracker.tracker import Tracker, TrackerStep
 
 
+@choosing
 def follow(
     source: Source,
+    chosen: Chosen,
     poses: Annotated[
         Path,
         typer.Argument(
@@ -32,10 +35,6 @@ def follow(
         ),
     ],
     dt: Annotated[str, typer.Option(metavar="SECONDS", help="Time between two poses.")],
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     start: Annotated[
         Seven | None,
         typer.Option("--q", metavar=JOINTS, help="Joint angles to begin with; those of the first pose if not given."),
@@ -91,7 +90,7 @@ def follow(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     tracker = arm.tracker(_start(arm, targets, free) if q0 is None else q0, period, **options)
     steps = [tracker.update(T) for T in counted(targets, "following")]
     if out is not None:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import EXIT_NO_SOLUTION
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput, warn
+from srs_ik.cli.chosen import CHOOSING, Chosen, choosing
+from srs_ik.cli.options import AsJson, Source, warn
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,12 +20,6 @@ if TYPE_CHECKING:
     from srs_ik.loading import LimbReport
 
 
-Srdf = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="A MoveIt SRDF file; --limb is then one of its groups.")
-]
-XacroArg = Annotated[
-    list[str] | None, typer.Option("--xacro-arg", metavar="NAME:=VALUE", help="Argument of a xacro file, repeatable.")
-]
 Write = Annotated[
     Path | None, typer.Option(metavar="robot.toml", help="Write an adapter for the arm, which every command takes.")
 ]
@@ -33,14 +28,10 @@ Packed = Annotated[
 ]
 
 
+@choosing
 def inspect(
     source: Source,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    srdf: Srdf = None,
-    xacro_arg: XacroArg = None,
-    allow_xacro: AllowXacro = False,
+    chosen: Chosen,
     write: Write = None,
     bodies: Annotated[
         bool, typer.Option("--bodies", help="Show the bodies of the one arm: spheres, and pairs that are watched.")
@@ -57,16 +48,16 @@ def inspect(
     """
     from srs_ik.cli.render import console, print_json
 
-    reading: dict[str, Any] = {"xacro_args": _arguments(xacro_arg or []), "allow_xacro": allow_xacro}
-    chosen: dict[str, Any] = {"base": base, "tip": tip, "limb": limb, "srdf": srdf}
-    one = any(value is not None for value in chosen.values()) or _names_one_arm(source, reading)
-    findings = _chosen(source, chosen, reading) if one else _all(source, reading)
+    meant = {name: chosen[name] for name in CHOOSING}
+    reading = {name: value for name, value in chosen.items() if name not in meant}
+    one = any(value is not None for value in meant.values()) or _names_one_arm(source, reading)
+    findings = _chosen(source, meant, reading) if one else _all(source, reading)
     accepted = any(finding["kind"] != "refused" for finding in findings)
     if write is not None and accepted:
         from srs_ik.loading import load
         from srs_ik.loading.adapter import names_xacro, write_adapter
 
-        write_adapter(write, source, load(source, **reading, **chosen), reading["xacro_args"])
+        write_adapter(write, source, load(source, **reading, **meant), reading["xacro_args"])
         allowed = " --allow-xacro" if names_xacro(write) else ""
         warn(f"wrote {write}; check it, then try 'srs-ik inspect {write}{allowed}'")
     answer: dict[str, Any] = {"source": source, "limbs": findings}
@@ -74,16 +65,16 @@ def inspect(
         from srs_ik.cli.scenes import bodies_of, print_bodies
         from srs_ik.loading import load
 
-        arm = load(source, **reading, **chosen)
-        if srdf is not None:
-            arm = arm.with_bodies(srdf=srdf)
+        arm = load(source, **reading, **meant)
+        if meant["srdf"] is not None:
+            arm = arm.with_bodies(srdf=meant["srdf"])
         answer |= bodies_of(arm)
     if packed is not None and accepted:
         from srs_ik.loading import load
         from srs_ik.solve.packed import limb_file
         from srs_ik.system.writing import write_whole
 
-        write_whole(packed, limb_file(load(source, **reading, **chosen).packed))
+        write_whole(packed, limb_file(load(source, **reading, **meant).packed))
         warn(f"wrote {packed}")
     if as_json:
         print_json(answer)
@@ -101,24 +92,14 @@ def inspect(
         raise typer.Exit(EXIT_NO_SOLUTION)
 
 
-def _arguments(words: list[str]) -> dict[str, str] | None:
-    arguments = {}
-    for word in words:
-        name, separator, value = word.partition(":=")
-        if not separator or not name:
-            raise WrongInput(f"--xacro-arg takes NAME:=VALUE, not {word!r}")
-        arguments[name] = value
-    return arguments or None
-
-
-def _names_one_arm(source: str, reading: dict[str, Any]) -> bool:
+def _names_one_arm(source: str, reading: Chosen) -> bool:
     """True for an adapter and for the name of an arm: of a robot with two they mean one."""
     from srs_ik.robot.sources import describe
 
-    return describe(source, **reading).tip is not None
+    return describe(source, xacro_args=reading["xacro_args"], allow_xacro=reading["allow_xacro"]).tip is not None
 
 
-def _all(source: str, reading: dict[str, Any]) -> list[dict[str, Any]]:
+def _all(source: str, reading: Chosen) -> list[dict[str, Any]]:
     from srs_ik.loading import find_limbs, load
 
     findings = []
@@ -131,7 +112,7 @@ def _all(source: str, reading: dict[str, Any]) -> list[dict[str, Any]]:
     return findings
 
 
-def _why_nothing(source: str, reading: dict[str, Any]) -> str:
+def _why_nothing(source: str, reading: Chosen) -> str:
     """Why there is nothing to show."""
     from srs_ik.errors import NotAnSrsLimb
     from srs_ik.loading import load
@@ -143,19 +124,19 @@ def _why_nothing(source: str, reading: dict[str, Any]) -> str:
     return f"{source} has no chain of 7 consecutive revolute joints"
 
 
-def _chosen(source: str, chosen: dict[str, Any], reading: dict[str, Any]) -> list[dict[str, Any]]:
+def _chosen(source: str, meant: dict[str, Any], reading: Chosen) -> list[dict[str, Any]]:
     from srs_ik.errors import NotAnSrsLimb
     from srs_ik.loading import find_limbs, load
 
     try:
-        arm = load(source, **reading, **chosen)
+        arm = load(source, **reading, **meant)
         reports = [report for report in find_limbs(source, **reading) if report.joint_names == arm.joint_names]
         return [_accepted(arm, reports[0] if reports else None)]
     except NotAnSrsLimb as error:
         if not error.joint_names:
             # Nothing was found that could be shown: the choice is wrong, not the arm.
             raise
-        return [_refused(error, chosen["base"], chosen["tip"], str(error))]
+        return [_refused(error, meant["base"], meant["tip"], str(error))]
 
 
 def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
@@ -169,6 +150,7 @@ def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
         "reason": "",
         "note": report.note if report else "",
         "locked": list(report.locked) if report else [],
+        "locked_at": dict(report.locked_at) if report else {},
         "joint_names": list(arm.joint_names),
         "misses_mm": 1e3 * limb.misses,
         "wrist_kind": limb.wrist_kind,
@@ -226,6 +208,7 @@ def _print_refused(out: Console, finding: dict[str, Any], chain: str) -> None:
 
 def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     from srs_ik.cli.render import direction, fixed, table
+    from srs_ik.robot.candidates import places_of
 
     names, misses = finding["joint_names"], finding["misses_mm"]
     chain = f"{finding['base'] or '?'} -> {finding['tip'] or '?'}"
@@ -237,7 +220,7 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     if finding["note"]:
         out.print(finding["note"])
     if finding["locked"]:
-        out.print(f"locked on the way to it: {', '.join(finding['locked'])}")
+        out.print(f"locked on the way to it: {places_of(finding['locked'], finding['locked_at'])}")
     lengths = [
         (name.replace("_", " "), fixed(1e3 * finding[name], 3))
         for name in ("upper_arm", "forearm", "hand", "elbow_offset")

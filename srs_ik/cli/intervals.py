@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, fail
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import AsJson, Source, fail
 from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
@@ -19,16 +20,14 @@ if TYPE_CHECKING:
     from srs_ik.solve.solution import Interval
 
 
+@choosing
 def intervals(
     source: Source,
+    chosen: Chosen,
     xyz: Xyz = None,
     rpy: Rpy = None,
     quat: Quat = None,
     q: PoseOfQ = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
     scene: SceneFile = None,
     margin: Margin = None,
@@ -53,7 +52,7 @@ def intervals(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     found = arm.intervals(pose, respect_limits=not no_limits, **around)

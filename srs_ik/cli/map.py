@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import (
-    AllowXacro,
-    AsJson,
-    Base,
-    Limb,
-    NumbersCommand,
-    Six,
-    Source,
-    Three,
-    Tip,
-    WrongInput,
-    numbers,
-)
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import AsJson, NumbersCommand, Six, Source, Three, WrongInput, numbers
 from srs_ik.cli.scenes import SceneFile, read
 
 if TYPE_CHECKING:
@@ -83,8 +72,10 @@ def _bar(what: str, cells: int) -> Iterator[Progress]:
 
 
 @map_app.command("make", cls=NumbersCommand, short_help="Make a map, or go on with one.")
+@choosing
 def make(
     source: Source,
+    chosen: Chosen,
     out: Annotated[
         Path, typer.Option(metavar="MAP", help="Folder for the map; one that is half made is gone on with.")
     ],
@@ -102,10 +93,6 @@ def make(
     dask: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Scheduler of a Dask cluster; 'local' starts one here.")
     ] = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
 ) -> None:
     """Make a map, or go on with one. It may be killed at any moment: what is done stays done.
 
@@ -116,7 +103,7 @@ def make(
     from srs_ik.loading import load
     from srs_ik.maps.build import build_map, plan_map
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     more = _more(measure, scene, velocity, force)
     plan = plan_map(arm, metres, orientations=orientations, box_bounds=where, **more)
     with _client(dask) as client, _bar(f"{plan.cells:,} cells", plan.cells) as progress:
@@ -149,8 +136,10 @@ def _client(address: str | None) -> Iterator[Any]:
 
 
 @map_app.command("estimate", cls=NumbersCommand, short_help="Say how long a map would take.")
+@choosing
 def estimate(
     source: Source,
+    chosen: Chosen,
     step: Step = "0.05",
     orientations: Turns = 2304,
     box: InBox = False,
@@ -160,10 +149,6 @@ def estimate(
     velocity: Velocity = None,
     force: Force = None,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processors that share the work.")] = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Say what a map would take, from the time of some of its cells."""
@@ -176,7 +161,7 @@ def estimate(
     from srs_ik.loading import load
     from srs_ik.maps.build import estimate as estimated
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     more = _more(measure, scene, velocity, force)
     found = estimated(arm, metres, orientations=orientations, box=where, workers=workers, **more)
     if as_json:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from srs_ik.cli.chosen import Chosen, reading
 from srs_ik.cli.map import map_app as map_app
-from srs_ik.cli.options import AllowXacro, AsJson, ExampleCommand, Source, WrongInput, fail, numbers, warn
+from srs_ik.cli.options import AsJson, ExampleCommand, Source, WrongInput, fail, numbers, warn
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.scenes import SceneFile, read
@@ -55,8 +56,10 @@ def info(folder: Folder, as_json: AsJson = False) -> None:
 
 
 @map_app.command("query", cls=ExampleCommand, short_help="Say which poses of a file are reached, and how well.")
+@reading
 def query(
     folder: Folder,
+    chosen: Chosen,
     poses: Annotated[
         Path,
         typer.Argument(metavar="FILE.csv", help="Poses of the tip in the base frame, one a line.", show_default=False),
@@ -67,7 +70,6 @@ def query(
     scene: SceneFile = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Write the answers here.")] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles in the file are given in degrees.")] = False,
-    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Say which poses of a file a map calls reached, and how well. Exit status 1 where one is not."""
@@ -78,7 +80,7 @@ def query(
 
     from srs_ik.maps.reader import open_map
 
-    chart = open_map(folder) if exact is None else _with_arm(exact, folder, scene, allow_xacro)
+    chart = open_map(folder) if exact is None else _with_arm(exact, folder, scene, chosen)
     found = chart.query(T, exact=exact is not None)
     names = tuple(found.measures)
     rows = [[found.measures[name][i].item() for name in names] for i in range(len(found))]
@@ -107,7 +109,7 @@ def _figure(value: int | float) -> str:
     return str(value) if isinstance(value, int) else fixed(value, 4)
 
 
-def _arm(source: str, folder: Path, allow_xacro: bool) -> Arm:
+def _arm(source: str, folder: Path, chosen: Chosen) -> Arm:
     """The arm of a map: the one arm of the source, or that between the frames that the map names."""
     from srs_ik.errors import AmbiguousLimb, FrameNotFound
     from srs_ik.loading import load
@@ -117,32 +119,33 @@ def _arm(source: str, folder: Path, allow_xacro: bool) -> Arm:
     base, tip = robot["base"], robot["tip"]
     # An adapter with a tool or a mount names frames that its robot file does not have.
     with contextlib.suppress(AmbiguousLimb):
-        arm = load(source, allow_xacro=allow_xacro)
+        arm = load(source, **chosen)
         if (arm.base, arm.tip) == (base, tip):
             return arm
     try:
-        return load(source, base=base, tip=tip, allow_xacro=allow_xacro)
+        return load(source, base=base, tip=tip, **chosen)
     except FrameNotFound:
         raise WrongInput(
             f"{folder} is a map of {robot['name']}, base {base}, tip {tip}: {source} has no such frames"
         ) from None
 
 
-def _with_arm(source: str, folder: Path, scene: Path | None, allow_xacro: bool) -> Map:
+def _with_arm(source: str, folder: Path, scene: Path | None, chosen: Chosen) -> Map:
     """A map with its arm, and its scene if it is of one."""
     from srs_ik.maps.reader import open_map
 
-    return open_map(folder, _arm(source, folder, allow_xacro), read(scene, None).get("scene"))
+    return open_map(folder, _arm(source, folder, chosen), read(scene, None).get("scene"))
 
 
 @map_app.command("verify", cls=ExampleCommand, short_help="Check the sums of a map, and some of its cells again.")
+@reading
 def verify(
     folder: Folder,
+    chosen: Chosen,
     source: Source,
     count: Annotated[int, typer.Option(metavar="N", min=1, help="Cells to compute again.")] = 1000,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of the random choice of cells.")] = 0,
     scene: SceneFile = None,
-    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Check a map: its checksums, some of its cells, and postures rebuilt from them. Exit status 1 if it is wrong."""
@@ -150,7 +153,7 @@ def verify(
 
     from srs_ik.cli.render import print_json
 
-    found = _with_arm(source, folder, scene, allow_xacro).verify(count, seed)
+    found = _with_arm(source, folder, scene, chosen).verify(count, seed)
     if as_json:
         print_json({**asdict(found), "right": bool(found)})
     else:
@@ -212,19 +215,20 @@ def plot(
 
 
 @map_app.command("preview", cls=ExampleCommand, short_help="Write a page of the arm in the cloud of its reach.")
+@reading
 def preview(
     folder: Folder,
+    chosen: Chosen,
     source: Source,
     out: Annotated[Path, typer.Option("--save", metavar="FILE.html", help="Page to write; it needs no server.")],
     step: Annotated[str | None, typer.Option(metavar="METRES", help="Distance between points.")] = None,
     whole: Annotated[bool, typer.Option("--whole", help="Show the half in front (y < 0) too.")] = False,
-    allow_xacro: AllowXacro = False,
 ) -> None:
     """Write a page of the arm in the coloured cloud of what it reaches."""
     from srs_ik.maps.reader import open_map
     from srs_ik.preview import Preview, show_map
 
-    arm = _arm(source, folder, allow_xacro)
+    arm = _arm(source, folder, chosen)
     with Preview(arm) as view:
         apart = None if step is None else numbers("--step", [step])[0]
         count = show_map(view, open_map(folder, arm), apart, cut=not whole)

@@ -28,16 +28,6 @@ Source = Annotated[
         show_default=False,
     ),
 ]
-Base = Annotated[
-    str | None, typer.Option(metavar="FRAME", help="Base frame; may be left out where there is one choice.")
-]
-Tip = Annotated[str | None, typer.Option(metavar="FRAME", help="Tip frame; may be left out where there is one choice.")]
-Limb = Annotated[
-    str | None, typer.Option(metavar="WORD", help="Which of several arms: left, right, or a part of one of its names.")
-]
-AllowXacro = Annotated[
-    bool, typer.Option("--allow-xacro", help="Run the xacro file that an adapter names; such a file is a program.")
-]
 Hand = Annotated[
     Six | None,
     typer.Option(

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli import freedom
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail, numbers, warn
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, numbers, warn
 from srs_ik.cli.picture import check
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
@@ -30,8 +31,10 @@ class Least(StrEnum):
     time = "time"
 
 
+@choosing
 def path(
     source: Source,
+    chosen: Chosen,
     poses: Annotated[
         Path,
         typer.Argument(
@@ -40,10 +43,6 @@ def path(
             show_default=False,
         ),
     ],
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     seed: Annotated[
         Seven | None, typer.Option(metavar=JOINTS, help="Start near these joint angles; anywhere if not given.")
     ] = None,
@@ -116,7 +115,7 @@ def path(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     with at_work(f"a path through {len(T_base_tip)} poses"):
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found:

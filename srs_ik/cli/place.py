@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Six, Source, Tip, WrongInput, fail, numbers
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import AsJson, Six, Source, WrongInput, fail, numbers
 from srs_ik.cli.pose_file import POSITION, QUATERNION, read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.waiting import at_work
@@ -33,8 +34,10 @@ class By(StrEnum):
     manipulability = "manipulability"
 
 
+@choosing
 def place(
     source: Source,
+    chosen: Chosen,
     poses: Annotated[
         Path,
         typer.Argument(
@@ -55,10 +58,6 @@ def place(
         str | None, typer.Option(metavar="Z", help="Height of that grid, metres; 0 if not given.")
     ] = None,
     yaws: Annotated[int, typer.Option(metavar="N", min=1, help="Turns of the base at each place of that grid.")] = 1,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     by: Annotated[By, typer.Option(help="Mean over all poses; those that are not reached count 0.")] = By.share,
     top: Annotated[int, typer.Option(metavar="N", min=1, help="Candidates to print.")] = 10,
     out: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Write all candidates here, best first.")] = None,
@@ -84,7 +83,7 @@ def place(
     from srs_ik.loading import load
     from srs_ik.maps.placement import base_placement
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     with at_work(f"{len(T_room_base)} places for {len(T_room_tip)} poses"):
         found = base_placement(arm, T_room_tip, T_room_base, by.value)
     if out is not None:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.ellipsoids import Part
-from srs_ik.cli.options import AllowXacro, Base, Limb, Source, Tip, WrongInput, fail
+from srs_ik.cli.options import Source, WrongInput, fail
 from srs_ik.cli.picture import check, save
 from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
 
@@ -25,6 +26,7 @@ class Kind(StrEnum):
     intervals = "intervals"
 
 
+@choosing
 def plot(
     kind: Annotated[
         Kind,
@@ -35,6 +37,7 @@ def plot(
         ),
     ],
     source: Source,
+    chosen: Chosen,
     output: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="The picture (png, pdf, svg, ...); has to be given.")
     ] = None,
@@ -42,10 +45,6 @@ def plot(
     rpy: Rpy = None,
     quat: Quat = None,
     q: PoseOfQ = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     branch: Annotated[
         int | None, typer.Option(metavar="0..7", help="Branch of 'arm-angle'; that of 'srs-ik solve' if not given.")
     ] = None,
@@ -73,7 +72,7 @@ def plot(
     from srs_ik import plots
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     if kind is Kind.ellipsoids:
         posture = angles if pose is None else _solved(arm, pose, not no_limits)
         figure = plots.plot_ellipsoids(arm, posture, limits, "angular" if part is Part.angular else "linear")

@@ -69,7 +69,7 @@ def _poses(
 ) -> tuple[list[np.ndarray | None], list[int]]:
     """The poses of a table and their lines; where targets may be lost, None for a line of nan."""
     from srs_ik.errors import InvalidPose
-    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
+    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_of_xyz_rpy
 
     columns, turned = _columns(path, *table[0])
     poses: list[np.ndarray | None] = []
@@ -86,7 +86,7 @@ def _poses(
                 pose = pose_from_xyz_quaternion(position, orientation, order="xyzw")
             else:
                 largest = max(largest, *orientation, key=abs)
-                pose = pose_from_xyz_rpy(position, [unit * angle for angle in orientation])
+                pose = pose_of_xyz_rpy(position, [unit * angle for angle in orientation])
         except InvalidPose as error:
             raise WrongInput(f"{path}, line {line}: {error}") from None
         poses.append(pose.homogeneous)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, Base, Limb, Seven, Source, Tip, WrongInput, fail
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import Seven, Source, WrongInput, fail
 from srs_ik.cli.poses import JOINTS, Quat, Rpy, Xyz, angles, read_pose, unit_of
 from srs_ik.cli.scenes import Margin, SceneFile, read
 
@@ -19,16 +20,14 @@ if TYPE_CHECKING:
     from srs_ik.preview.view import Preview
 
 
+@choosing
 def preview(
     source: Source,
+    chosen: Chosen,
     q: Annotated[Seven | None, typer.Option("--q", metavar=JOINTS, help="Joint angles to show.")] = None,
     xyz: Xyz = None,
     rpy: Rpy = None,
     quat: Quat = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     ellipsoids: Annotated[
         bool, typer.Option("--ellipsoids", help="Show the ellipsoids of velocity and force at the tip.")
     ] = False,
@@ -73,7 +72,7 @@ def preview(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     if pose is not None:
         solution = arm.solve(pose, **around)
         if not solution:

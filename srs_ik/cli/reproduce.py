@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, Base, Hand, Limb, Tip, WrongInput, numbers
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import Hand, WrongInput, numbers
 from srs_ik.cli.picture import check
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ class Experiment(StrEnum):
     control = "control"
 
 
+@choosing
 def reproduce(
     experiment: Annotated[
         Experiment,
@@ -46,6 +48,7 @@ def reproduce(
             show_default=False,
         ),
     ],
+    chosen: Chosen,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of the results; has to be given.")] = None,
     robot: Annotated[
         str | None,
@@ -55,10 +58,6 @@ def reproduce(
             show_default=False,
         ),
     ] = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     hand: Hand = None,
     short: Annotated[
         bool, typer.Option("--short", help="Control alone: few seeds and short motions, to see that all runs.")
@@ -83,19 +82,16 @@ def reproduce(
     from srs_ik.loading import load
     from srs_ik.paper.experiments.files import write
 
-    chosen = _chosen(experiment, short)
+    experiments = _experiments(experiment, short)
     arm = load(
         robot or (CONTROLLED_ARM if experiment is Experiment.control else PAPERS_LIMB),
-        base=base,
-        tip=tip,
-        limb=limb,
-        allow_xacro=allow_xacro,
+        **chosen,
         hand=None if axes is None else [axes[:3], axes[3:]],
     )
     out.mkdir(parents=True, exist_ok=True)
     # Where nobody looks, a bar would leave an empty line.
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
-        for name, run in chosen.items():
+        for name, run in experiments.items():
             # Drawing takes about as long as computing.
             task = bar.add_task(name, total=2.0)
             outcome = run(arm, partial(_advance, bar, task))
@@ -104,7 +100,7 @@ def reproduce(
             bar.update(task, completed=2.0)
 
 
-def _chosen(experiment: Experiment, short: bool) -> dict[str, Callable[[Arm, Callable[[float], None]], Outcome]]:
+def _experiments(experiment: Experiment, short: bool) -> dict[str, Callable[[Arm, Callable[[float], None]], Outcome]]:
     """The experiments to run, by name, each a function of an arm and a progress.
 
     Raises:

@@ -10,7 +10,8 @@ import typer
 
 from srs_ik.cli import freedom
 from srs_ik.cli import objective as objectives
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, fail
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail
 from srs_ik.cli.pose_file import read_poses, refuse_onto
 from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
@@ -24,16 +25,14 @@ if TYPE_CHECKING:
     from srs_ik.solve.solution import Solution
 
 
+@choosing
 def solve(
     source: Source,
+    chosen: Chosen,
     xyz: Xyz = None,
     rpy: Rpy = None,
     quat: Quat = None,
     q: PoseOfQ = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     arm_angle: Annotated[
         str | None, typer.Option(metavar="ANGLE", help="Arm angle of the posture; zero as 'srs-ik inspect' says.")
     ] = None,
@@ -107,7 +106,7 @@ def solve(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    arm = load(source, **chosen)
     if file is not None:
         solved = arm.solve_batch(poses, angle, start, branch, respect_limits=not no_limits, free_axis=free, **around)
         report(arm, solved, file, lines, out, as_json)

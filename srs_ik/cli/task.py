@@ -8,20 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import freedom
-from srs_ik.cli.options import (
-    AllowXacro,
-    AsJson,
-    Base,
-    Hand,
-    Limb,
-    Seven,
-    Source,
-    Three,
-    Tip,
-    WrongInput,
-    fail,
-    numbers,
-)
+from srs_ik.cli.chosen import Chosen, choosing
+from srs_ik.cli.options import AsJson, Hand, Seven, Source, Three, WrongInput, fail, numbers
 from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
@@ -46,8 +34,10 @@ class Tie(StrEnum):
     UPPER = "upper"
 
 
+@choosing
 def task(
     source: Source,
+    chosen: Chosen,
     xyz: Xyz = None,
     velocity: Annotated[
         Three | None,
@@ -78,10 +68,6 @@ def task(
     hand: Hand = None,
     free_axis: freedom.Axis = None,
     cone: freedom.Cone = None,
-    base: Base = None,
-    tip: Tip = None,
-    limb: Limb = None,
-    allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
     scene: SceneFile = None,
     margin: Margin = None,
@@ -113,10 +99,7 @@ def task(
     free = freedom.read(free_axis, cone, 1.0)
     arm = load(
         source,
-        base=base,
-        tip=tip,
-        limb=limb,
-        allow_xacro=allow_xacro,
+        **chosen,
         hand=None if axes is None else [axes[:3], axes[3:]],
     )
     solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start, free_axis=free, **around)

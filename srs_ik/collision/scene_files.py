@@ -13,7 +13,7 @@ from srs_ik.collision.figures import as_vector
 from srs_ik.collision.sphere_files import read_tree_of
 from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.messages import pose_matrix
-from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy, warn_of_degrees
+from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_of_xyz_rpy, warn_of_degrees
 from srs_ik.robot.description.files import label_of
 from srs_ik.system import bounds
 from srs_ik.system.arrays import Array
@@ -121,7 +121,7 @@ def _pose(each: Mapping[str, Any], name: Any) -> Array:
             T: Array = pose_from_xyz_quaternion(each.get("xyz", _ORIGIN), each["quat"], order="xyzw").homogeneous
         else:
             rpy = each.get("rpy", _ORIGIN)
-            T = pose_from_xyz_rpy(each.get("xyz", _ORIGIN), rpy).homogeneous
+            T = pose_of_xyz_rpy(each.get("xyz", _ORIGIN), rpy).homogeneous
             warn_of_degrees(f"rpy of {quoted(name)}", rpy)
     except InvalidPose as error:
         raise InvalidScene(f"place of {quoted(name)}: {error}") from None
@@ -210,7 +210,7 @@ def _of(pose: Any, name: str) -> Array:
     try:
         if all(getattr(turn, axis, None) == 0.0 for axis in "xyzw"):
             xyz = [getattr(place, axis, np.nan) for axis in "xyz"]
-            found: Array | None = pose_from_xyz_rpy(xyz, _ORIGIN).homogeneous
+            found: Array | None = pose_of_xyz_rpy(xyz, _ORIGIN).homogeneous
         else:
             found = pose_matrix(pose)
     except InvalidPose as error:

@@ -45,7 +45,7 @@ def pose_from_xyz_quaternion(xyz: ArrayLike, quaternion: ArrayLike, *, order: Or
 
 
 def pose_from_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> pin.SE3:
-    """A pose from a position and the angles of a URDF.
+    """A pose from a position and the angles of a URDF; a warning says where these look like degrees.
 
     Args:
         xyz: (3,) metres.
@@ -54,16 +54,23 @@ def pose_from_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> pin.SE3:
     Raises:
         InvalidPose: not 3 and 3 finite numbers.
     """
+    pose = pose_of_xyz_rpy(xyz, rpy)
+    warn_of_degrees("rpy", real_array(rpy).tolist())
+    return pose
+
+
+def pose_of_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> pin.SE3:
+    """The same for angles whose unit somebody else looks at."""
     position, angles = _numbers(xyz, 3, "a position"), _numbers(rpy, 3, "roll, pitch and yaw")
     return pin.SE3(pin.rpy.rpyToMatrix(*angles), position)
 
 
 def warn_of_degrees(what: str, rpy: Iterable[float]) -> None:
-    """Warn, naming what they belong to, where angles of a file, which are in radians, are more than a turn."""
+    """Warn, naming what they belong to, where angles, which are in radians, are more than a turn."""
     largest = max(rpy, key=abs)
     if abs(largest) > 2.0 * math.pi:
         said = f"{what} is in radians, and {largest:g} rad is more than a turn: are these degrees?"
-        warnings.warn(said, UserWarning, stacklevel=2)
+        warnings.warn(said, UserWarning, stacklevel=3)
 
 
 def checked_order(order: Any) -> Order:

@@ -119,6 +119,9 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
         f"grasp = {_vector(grasp)}  # the direction in which the hand reaches out; check",
         f"pronosupination = {_vector(across)}  # across it; check",
     ]
+    if arm.locked:
+        lines += ["", "[locked]  # where joints stand that are no part of the arm: rad or m"]
+        lines += [f"{_string(key)} = {_number(value)}" for key, value in arm.locked.items()]
     if xacro_args:
         lines += ["", "[xacro]  # arguments of the xacro file"]
         lines += [f"{_string(key)} = {_string(value)}" for key, value in xacro_args.items()]

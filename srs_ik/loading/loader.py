@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed, quoted
+from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidRobot, InvalidTask, NotAnSrsLimb, listed, quoted
 from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
 from srs_ik.robot.arguments import check_path, check_texts
-from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_odd_limits_noted
+from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_oddities_noted
 from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
 from srs_ik.robot.description.srdf import chain_of
-from srs_ik.robot.limb import Hand, Vector
+from srs_ik.robot.limb import Hand, SrsLimb, Vector
+from srs_ik.robot.locked import as_locked, configuration_of
+from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range
 from srs_ik.robot.recognition import default_reference, recognise
 from srs_ik.robot.sides import is_meant
 from srs_ik.robot.skeleton import Skeleton
@@ -39,6 +43,7 @@ def load(
     hand: Any = None,
     limb: str | None = None,
     limits: Mapping[str, Mapping[str, float]] | None = None,
+    locked: Mapping[str, float] | None = None,
     urdf: Any = None,
     srdf: str | Path | None = None,
     xacro_args: Mapping[str, str] | None = None,
@@ -46,7 +51,7 @@ def load(
 ) -> Arm:
     """Load an S-R-S arm.
 
-    Seven consecutive revolute joints are taken, every other joint of the robot is locked at its neutral position. With
+    Seven consecutive revolute joints are taken, every other joint of the robot is locked, at zero if not said. With
     `base` and `tip` they are sought on the way between them, with `tip` alone on the way to it from the root of the
     robot, with `base` alone in what hangs on it, without either in the whole robot.
 
@@ -65,8 +70,10 @@ def load(
         limb: which of several limbs: "left", "right", or a part of one of its names; with `srdf`, a group.
         limits: limits that are not as described: for each joint in question those of "lower", "upper" (rad), "velocity"
             (rad/s) and "effort" (N m) that change; infinite for none.
+        locked: where other joints of the robot stand, rad or m, such as ``{"lift": 0.3}``; those that are not named are
+            at zero. They count where they lie between base and tip.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
-        srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains.
+        srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains, and are not given then.
         xacro_args: arguments of a xacro file. Such a file is a program, with what the user may do: load those that you
             trust.
         allow_xacro: whether to run a xacro file that an adapter names. One that you name yourself is run in any case.
@@ -75,8 +82,8 @@ def load(
         The arm.
 
     Raises:
-        InvalidRobot: the description is missing or faulty, `limits`, `srdf` or `xacro_args` do not fit it, or an
-            argument is of the wrong kind.
+        InvalidRobot: the description is missing or faulty, `limits`, `locked`, `srdf` or `xacro_args` do not fit it, or
+            an argument is of the wrong kind.
         FrameNotFound: the robot has no frame `base` or `tip`.
         NotAnSrsLimb: there are no seven such joints, or their axes miss common points by too much.
         AmbiguousLimb: several arms fit.
@@ -88,14 +95,17 @@ def load(
     check_texts(base=base, tip=tip, name=name, limb=limb)
     if srdf is not None:
         check_path("srdf", srdf)
+        if base is not None or tip is not None:
+            raise InvalidRobot("srdf names a chain, with its base and tip: it goes with neither base nor tip")
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
-    description = describe(source, urdf, xacro_args, allow_xacro)
+    description = _standing(describe(source, urdf, xacro_args, allow_xacro), locked)
     if srdf is not None:
         base, tip = chain_of(srdf, limb)
         limb = None
     joints, base, tip = _choose(description, base, tip, limb)
-    chain = build_chain(description.robot.model, joints, base, tip)
+    chain = build_chain(description.robot.model, joints, base, tip, description.locked)
+    described = chain
     for changed in (description.limits, limits):
         chain = changes.within_limits(chain, changed) if changed is not None else chain
     reference = asked_reference if asked_reference is not None else _meant_reference(description, chain)
@@ -115,12 +125,18 @@ def load(
         clause = explained(found.reason, chain.joint_names, misses_mm, allowed_mm)
         message = f"{description.robot.source}: {base} -> {tip} is no S-R-S limb: {clause}"
         raise NotAnSrsLimb(message, chain.joint_names, misses_mm.tolist(), allowed_mm)
+    _warn_of_oddities(description, described, found.limb, {**description.limits, **(limits or {})})
     hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
     return Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
 
 
 @whole
-def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None, allow_xacro: bool = False) -> list[LimbReport]:
+def find_limbs(
+    source: Any,
+    xacro_args: Mapping[str, str] | None = None,
+    allow_xacro: bool = False,
+    locked: Mapping[str, float] | None = None,
+) -> list[LimbReport]:
     """Every chain of seven consecutive revolute joints in a robot, classified and measured.
 
     S-R-S limbs come first, then chains that are none. Of chains that share joints only the best is reported: see `note`
@@ -130,28 +146,55 @@ def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None, allow_x
         source: as for `load`.
         xacro_args: arguments of a xacro file.
         allow_xacro: as for `load`.
+        locked: as for `load`.
 
     Raises:
-        InvalidRobot: the description is missing or faulty.
+        InvalidRobot: the description is missing or faulty, or `locked` does not fit it.
         MissingExtra: `source` needs a package that is not installed.
     """
-    description = describe(source, xacro_args=xacro_args, allow_xacro=allow_xacro)
-    skeleton = Skeleton(description.robot.model)
-    candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
-    return [with_odd_limits_noted(description, skeleton, candidate) for candidate in weigh(candidates, skeleton)]
+    description = _standing(describe(source, xacro_args=xacro_args, allow_xacro=allow_xacro), locked)
+    skeleton = _skeleton(description)
+    candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(_kept_out(description))]
+    return [with_oddities_noted(description, skeleton, candidate) for candidate in weigh(candidates, skeleton)]
+
+
+def _warn_of_oddities(description: Description, chain: Chain, limb: SrsLimb, given: Collection[str]) -> None:
+    """Warn of what is odd in a description, but for the limits of joints for which others are given."""
+    ranges = zip(chain.joint_names, chain.lower.tolist(), chain.upper.tolist(), strict=True)
+    limits = {name: (lower, upper) for name, lower, upper in ranges if name not in given}
+    elsewhere = out_of_range(description.robot.model, chain.between, description.locked)
+    for clause in (*odd_limits(limits), *odd_size(limb), *elsewhere):
+        warnings.warn(f"{description.robot.source}: {clause}", UserWarning, stacklevel=4)
+
+
+def _standing(description: Description, locked: Any) -> Description:
+    """The description with other joints locked where somebody says."""
+    if locked is None:
+        return description
+    robot = description.robot
+    return replace(description, locked={**description.locked, **as_locked(locked, robot.model, robot.mimic_joints)})
+
+
+def _skeleton(description: Description) -> Skeleton:
+    return Skeleton(description.robot.model, configuration_of(description.robot.model, description.locked))
+
+
+def _kept_out(description: Description) -> dict[str, str]:
+    """Joints that are none of a limb, each with a clause that says why."""
+    return {**description.robot.mimic_joints, **dict.fromkeys(description.locked, "is locked")}
 
 
 def _choose(
     description: Description, base: str | None, tip: str | None, limb: str | None
 ) -> tuple[tuple[int, ...], str, str]:
     """Joints and frames of the one limb that fits."""
-    skeleton = Skeleton(description.robot.model)
+    skeleton = _skeleton(description)
     base, tip = base or description.base, tip or description.tip
     for frame in (base, tip):
         if frame is not None and not skeleton.has_frame(frame):
             source = description.robot.source
             raise FrameNotFound(frame, skeleton.frame_names(), robot=description.robot.name, source=source)
-    every = skeleton.windows(description.robot.mimic_joints)
+    every = skeleton.windows(_kept_out(description))
     fitting = [joints for joints in every if _fits(skeleton, joints, base, tip)]
     if not fitting and base is not None and tip is None:
         movers = skeleton.path(skeleton.joint_of(base))
@@ -193,13 +236,14 @@ def _way(skeleton: Skeleton, base: str | None, tip: str) -> list[int]:
 
 def _no_chain(description: Description, skeleton: Skeleton, base: str | None, tip: str | None) -> NotAnSrsLimb:
     """The error for a robot or a way through it that has no seven consecutive revolute joints."""
-    mimic, source = description.robot.mimic_joints, description.robot.source
+    mimic, source = _kept_out(description), description.robot.source
     if tip is None:
         where = f"{description.name!r}" if base is None else f"what hangs on {base!r}"
         run = skeleton.longest_run(mimic) if base is None else ()
         names = [skeleton.joint_names[joint] for joint in run]
         longest = f"; the longest has {len(run)}: {listed(names)}{_interrupted(skeleton, mimic, run)}" if run else ""
-        return NotAnSrsLimb(f"{source}: {where} has no chain of 7 consecutive revolute joints{longest}", names)
+        locked = f"; {listed(list(description.locked))} cannot be of it, as locked" if description.locked else ""
+        return NotAnSrsLimb(f"{source}: {where} has no chain of 7 consecutive revolute joints{longest}{locked}", names)
     joints = _way(skeleton, base, tip)
     names = [skeleton.joint_names[joint] for joint in joints]
     where = f"between base {base!r} and tip {tip!r}" if base is not None else f"on the way to the tip {tip!r}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import os
 import weakref
 import webbrowser
 from collections.abc import Sequence
@@ -128,8 +129,10 @@ class Preview:
             Where it was written.
 
         Raises:
-            PreviewError: the preview is closed, or the file cannot be written.
+            PreviewError: the preview is closed, the path is none, or the file cannot be written.
         """
+        if not isinstance(path, str | os.PathLike):
+            raise PreviewError(f"a page is saved under the name of a file, such as scene.html, not {quoted(path)}")
         try:
             return write_whole(Path(path), self.html())
         except IsADirectoryError:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
-from srs_ik.errors import listed
 from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind
+from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range
 from srs_ik.robot.recognition import recognise
 from srs_ik.robot.sides import Side, side_of
 from srs_ik.robot.skeleton import Skeleton
@@ -19,9 +19,6 @@ from srs_ik.robot.sources import Description
 
 _NOT_SHOWN_MM = 1e-3
 """Misses below a micrometre are rounding of a file's figures, not worth a line of a message."""
-
-_WIDEST, _LARGEST = 16.0 * 2.0 * math.pi, 720.0
-"""Limits farther apart than the first, rad, with figures up to the second are likely degrees; larger ones mean none."""
 
 _SHORTEST_ARM = 4
 """Joints before a fork that are rather an arm with a hand to come than a trunk with arms to come."""
@@ -45,10 +42,12 @@ class LimbReport:
         limb: the limb between `base` and `tip`; None if refused.
         reason: one clause that says why it is refused, with axes numbered from 1; empty otherwise.
         locked: names of the other moving joints between the root of the robot and the tip, from the root outwards; an
-            arm has them fixed at their neutral position.
+            arm has them fixed.
+        locked_at: where those are that are not fixed at their neutral position, rad or m.
         note: which chains that share joints with it were set aside in its favour or, if refused, where it forks on its
-            way, as an arm of six joints does with the fingers of its gripper; which limits look like degrees; empty if
-            there is nothing to say.
+            way, as an arm of six joints does with the fingers of its gripper; which limits look like degrees, or let a
+            joint not move; which joints are locked where they cannot be; that
+            lengths look like millimetres; empty if there is nothing to say.
     """
 
     base: str
@@ -63,6 +62,7 @@ class LimbReport:
     reason: str
     locked: tuple[str, ...] = ()
     note: str = ""
+    locked_at: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -85,7 +85,7 @@ class LimbReport:
         if self.kind == "near":
             lengths.append(f"axes miss their centres by up to {self.misses_mm.max():.3f} mm")
         article = "an exact" if self.kind == "exact" else "a near"
-        locked = f"; locked on the way to it: {', '.join(self.locked)}" if self.locked else ""
+        locked = f"; locked on the way to it: {places_of(self.locked, self.locked_at)}" if self.locked else ""
         note = f"; {self.note}" if self.note else ""
         return f"{ends} is {article} S-R-S limb with {self.wrist_kind} wrist, {', '.join(lengths)}{locked}{note}."
 
@@ -122,6 +122,7 @@ def examine(
     if reference is None and base == description.base:
         reference = description.reference
     found = recognise(lines.axes, lines.points, lines.T_base_tip_zero, reference)
+    locked = [k for k in skeleton.path(skeleton.joint_of(tip)) if k not in joints]
     report = LimbReport(
         base=base,
         tip=tip,
@@ -133,8 +134,11 @@ def examine(
         wrist_kind=found.limb.wrist_kind if found.limb is not None else None,
         limb=found.limb,
         reason=found.reason,
-        locked=tuple(skeleton.joint_names[k] for k in skeleton.path(skeleton.joint_of(tip)) if k not in joints),
+        locked=tuple(skeleton.joint_names[k] for k in locked),
         note=_fork(skeleton, joints) if found.limb is None else "",
+        locked_at={
+            name: x for name in map(skeleton.joint_names.__getitem__, locked) if (x := description.locked.get(name))
+        },
     )
     return Candidate(tuple(joints), report)
 
@@ -164,21 +168,22 @@ def weigh(candidates: Collection[Candidate], skeleton: Skeleton) -> list[Candida
     return [*sorted(limbs, key=_place), *sorted(chains, key=_place)]
 
 
-def with_odd_limits_noted(description: Description, skeleton: Skeleton, candidate: Candidate) -> LimbReport:
-    """The report of a candidate, whose note says so if limits of the description look like degrees."""
-    ranges = {}
-    for joint in candidate.joints:
-        name, (lower, upper) = skeleton.joint_names[joint], skeleton.limits(joint)
-        if upper - lower > _WIDEST and max(-lower, upper) <= _LARGEST and name not in description.limits:
-            ranges[name] = upper - lower
+def with_oddities_noted(description: Description, skeleton: Skeleton, candidate: Candidate) -> LimbReport:
+    """The report of a candidate, whose note says what of the description was probably meant otherwise."""
+    names = {joint: skeleton.joint_names[joint] for joint in candidate.joints}
+    limits = {name: skeleton.limits(joint) for joint, name in names.items() if name not in description.limits}
     report = candidate.report
-    if not ranges:
-        return report
-    said = (
-        f"limits are in radians, and those of {listed(list(ranges))} are up to {max(ranges.values()):g} rad apart, "
-        "more than 16 turns: they look like degrees"
-    )
-    return replace(report, note=f"{report.note}; {said}" if report.note else said)
+    said = [
+        *odd_limits(limits),
+        *odd_size(report.limb),
+        *out_of_range(description.robot.model, report.locked, description.locked),
+    ]
+    return replace(report, note="; ".join([report.note] * bool(report.note) + said))
+
+
+def places_of(names: Sequence[str], positions: Mapping[str, float]) -> str:
+    """Names of locked joints, each with where it is locked, unless that is its neutral position."""
+    return ", ".join(f"{name} at {positions[name]:g}" if positions.get(name) else name for name in names)
 
 
 def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector, allowed_mm: float) -> str:

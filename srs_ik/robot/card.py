@@ -85,6 +85,7 @@ class RobotCard:
     # for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s) and "effort" (N m) that are not as
     # in the description
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    locked: Mapping[str, float] = field(default_factory=dict)  # where joints outside the arm stand, rad or m
     xacro: Mapping[str, str] = field(default_factory=dict)  # arguments for a description that is a xacro file
     tool: Placement | None = None  # frame of a tool in the tip frame
     mount: Placement | None = None  # the base frame in a frame of the surroundings
@@ -138,7 +139,7 @@ class _Reader:
         self._path = path
 
     def card(self, content: dict[str, Any]) -> RobotCard:
-        optional = ("description", "side", "arm_angle", "hand", "limits", "xacro", "tool", "mount", "sources")
+        optional = ("description", "side", "arm_angle", "hand", "limits", "locked", "xacro", "tool", "mount", "sources")
         self._expect_keys(content, "", ("name", "urdf", "frames"), optional)
         frames = self._table(content, "frames", ("base", "tip"))
         hand = self._table(content, "hand", ("grasp", "pronosupination")) if "hand" in content else None
@@ -154,6 +155,7 @@ class _Reader:
             grasp=self._direction(hand, "grasp", "hand") if hand else None,
             pronosupination=self._direction(hand, "pronosupination", "hand") if hand else None,
             limits=self._limits(content),
+            locked=self._locked(content),
             xacro=self._xacro(content),
             tool=self._placement(content, "tool", "tool"),
             mount=self._placement(content, "mount", "world", ("gravity",)),
@@ -188,6 +190,10 @@ class _Reader:
             figures = {key: self._number(table[key], f"{key!r} in [{where}]", finite=False) for key in table}
             limits[joint] = MappingProxyType(figures)
         return MappingProxyType(limits)
+
+    def _locked(self, content: dict[str, Any]) -> Mapping[str, float]:
+        positions = self._group(content, "locked")
+        return MappingProxyType({key: self._number(positions[key], f"{quoted(key)} in [locked]") for key in positions})
 
     def _xacro(self, content: dict[str, Any]) -> Mapping[str, str]:
         arguments = self._group(content, "xacro")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from srs_ik.errors import InvalidRobot, NotAnSrsLimb
 from srs_ik.robot.limb import ReadOnlyArrays, Vector
+from srs_ik.robot.locked import configuration_of
 from srs_ik.robot.skeleton import Skeleton
 
 _UNLIMITED = 1e6
@@ -24,8 +25,8 @@ class Chain(ReadOnlyArrays):
     The arrays are read-only.
     """
 
-    # ``pinocchio.Model`` of exactly these joints; every other joint of the robot is locked at its neutral position. Its
-    # nq is 7, and one more for each continuous joint.
+    # ``pinocchio.Model`` of exactly these joints; every other joint of the robot is locked. Its nq is 7, and one more
+    # for each continuous joint.
     model: Any
     base: str  # name of the base frame; the seven joints do not move it
     tip: str  # name of the tip frame, moved by joint 7
@@ -39,12 +40,18 @@ class Chain(ReadOnlyArrays):
     upper: Vector  # (7,) upper joint limits, rad; inf where continuous
     velocity_limit: Vector  # (7,) rad/s; inf where not given, which a URDF also says by 0 or a negative figure
     effort_limit: Vector  # (7,) N m; inf where not given
+    locked: Mapping[str, float]  # other joints that are not locked at their neutral position: where they are, rad or m
+    # other joints between base and tip: where they are, as in a configuration of Pinocchio
+    between: Mapping[str, tuple[float, ...]]
 
 
-def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain:
+def build_chain(
+    model: Any, joints: Sequence[int], base: str, tip: str, locked: Mapping[str, float] | None = None
+) -> Chain:
     """Lock every joint of a ``pinocchio.Model`` but seven, and measure those between two frames.
 
-    The model is not changed; joints are given by their indices, from the base outwards.
+    The model is not changed; joints are given by their indices, from the base outwards. Others are locked at their
+    neutral position, or where `locked` says, which `as_locked` has checked.
 
     Raises:
         FrameNotFound: one of the frames does not exist.
@@ -52,8 +59,9 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
         InvalidRobot: the position limits of a joint are no range.
     """
     names = tuple(model.names[joint] for joint in joints)
-    locked = [joint for joint in range(1, model.njoints) if joint not in joints]
-    reduced = _locked(model, locked) if locked else pin.Model(model)
+    others = [joint for joint in range(1, model.njoints) if joint not in joints]
+    configuration = configuration_of(model, locked or {})
+    reduced = _locked(model, others, configuration) if others else pin.Model(model)
     skeleton = Skeleton(reduced)
     moved_by = skeleton.joint_of(base)
     if moved_by != 0:
@@ -62,6 +70,7 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
         raise NotAnSrsLimb(f"the tip frame {tip!r} is not moved by joint {names[6]!r}, the last of the limb", names)
     lines = skeleton.measure(range(1, 8), base, tip)
     lower, upper = _position_limits(reduced)
+    between = _between(model, joints, base, tip) if others else []
     return Chain(
         model=reduced,
         base=base,
@@ -76,11 +85,24 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
         upper=upper,
         velocity_limit=_given_or_infinite(reduced.velocityLimit),
         effort_limit=_given_or_infinite(reduced.effortLimit),
+        locked=dict(locked or {}),
+        between={model.names[joint]: _part(model.joints[joint], configuration) for joint in between},
     )
 
 
-def _locked(model: Any, joints: Sequence[int]) -> Any:
-    """A model without some joints, which are locked at their neutral position.
+def _between(model: Any, joints: Sequence[int], base: str, tip: str) -> list[int]:
+    """The other joints that lie between two frames."""
+    whole = Skeleton(model)
+    ways = whole.joints_between(base, tip) + whole.joints_between(tip, base)
+    return [joint for joint in ways if joint not in joints]
+
+
+def _part(joint: Any, configuration: Vector) -> tuple[float, ...]:
+    return tuple(configuration[joint.idx_q : joint.idx_q + joint.nq].tolist())
+
+
+def _locked(model: Any, joints: Sequence[int], configuration: Vector) -> Any:
+    """A model without some joints, which are locked where a configuration (nq,) has them.
 
     Pinocchio looks frames up by their names while it does this, and stops where a link and a fixed joint share one. So
     it works on a copy in which all names differ; the names of joints, which do, stay.
@@ -91,7 +113,7 @@ def _locked(model: Any, joints: Sequence[int]) -> Any:
         if k > 0 and frame.type != pin.FrameType.JOINT:
             names[f"frame {k} {frame.name}"] = frame.name
             frame.name = f"frame {k} {frame.name}"
-    reduced = pin.buildReducedModel(copy, list(joints), pin.neutral(copy))
+    reduced = pin.buildReducedModel(copy, list(joints), configuration)
     for frame in reduced.frames:
         frame.name = names.get(frame.name, frame.name)
     return reduced

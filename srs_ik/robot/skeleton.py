@@ -44,9 +44,12 @@ class _Frame:
 
 
 class Skeleton:
-    """The joints and frames of a robot at its neutral configuration, looked up once for any number of questions."""
+    """The joints and frames of a robot, looked up once for any number of questions.
 
-    def __init__(self, model: Any) -> None:
+    It stands in its neutral configuration, or in the one that is given.
+    """
+
+    def __init__(self, model: Any, configuration: Vector | None = None) -> None:
         self.model = model
         self.joint_names: tuple[str, ...] = tuple(model.names)
         self.parents: tuple[int, ...] = tuple(int(parent) for parent in model.parents)
@@ -54,7 +57,9 @@ class Skeleton:
         for joint, parent in enumerate(self.parents[1:], 1):
             self._above[parent].append(joint)
         self._data = model.createData()
-        self._J_world = pin.computeJointJacobians(model, self._data, pin.neutral(model))
+        self._J_world = pin.computeJointJacobians(
+            model, self._data, pin.neutral(model) if configuration is None else configuration
+        )
         pin.updateFramePlacements(model, self._data)
         ranks = {kind: rank for rank, kind in enumerate(_FRAME_PREFERENCE)}
         self._frames = [_Frame(f.name, ranks[f.type], int(f.parentJoint), int(f.parentFrame)) for f in model.frames]
@@ -76,14 +81,11 @@ class Skeleton:
 
     def limits(self, joint: int) -> tuple[float, float]:
         """The position limits of a revolute joint, rad; infinite where it is continuous."""
-        k = self.model.joints[joint].idx_q
-        if self.model.joints[joint].nq != 1:
-            return -np.inf, np.inf
-        return float(self.model.lowerPositionLimit[k]), float(self.model.upperPositionLimit[k])
+        return limits_of(self.model, self.model.joints[joint])
 
     def what_is(self, joint: int) -> str:
         """What a joint that is not revolute is, as a clause."""
-        return "is prismatic" if self.model.joints[joint].shortname().startswith(_PRISMATIC) else "is not revolute"
+        return "is prismatic" if is_prismatic(self.model.joints[joint]) else "is not revolute"
 
     def hanging_on(self, joint: int) -> tuple[int, ...]:
         """The joints of any kind of which a joint is the parent."""
@@ -203,7 +205,8 @@ class Skeleton:
     def measure(self, joints: Sequence[int], base: str, tip: str) -> Lines:
         """The axes of revolute joints between two frames as lines, by Pinocchio's Jacobian."""
         T_base_world = self._data.oMf[self.find_frame(base)].inverse()
-        columns = [self.model.joints[joint].idx_v for joint in joints]
+        # Columns of joints that mimic another are there too, where Pinocchio has them as such.
+        columns = [self.model.joints[joint].idx_vExtended for joint in joints]
         axes = (T_base_world.rotation @ self._J_world[3:, columns]).T
         points = np.array([T_base_world.act(self._data.oMi[joint].translation) for joint in joints])
         return Lines(axes, points, self.transform(base, tip))
@@ -231,3 +234,15 @@ class Skeleton:
 def is_revolute(joint: Any) -> bool:
     """True if a joint of a ``pinocchio.Model`` turns about one fixed axis, with or without stops."""
     return joint.shortname() in _REVOLUTE + _CONTINUOUS
+
+
+def is_prismatic(joint: Any) -> bool:
+    """True if a joint of a ``pinocchio.Model`` slides along one fixed axis."""
+    return str(joint.shortname()).startswith(_PRISMATIC)
+
+
+def limits_of(model: Any, joint: Any) -> tuple[float, float]:
+    """Position limits of a joint of a ``pinocchio.Model``, rad or m; infinite where it has no single position."""
+    if joint.nq != 1:
+        return -np.inf, np.inf
+    return float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])

@@ -18,6 +18,7 @@ from srs_ik.robot.card import Placement, RobotCard, read_card
 from srs_ik.robot.description import RobotModel, load_model
 from srs_ik.robot.description.model import is_xml
 from srs_ik.robot.limb import Vector
+from srs_ik.robot.locked import as_locked
 from srs_ik.robot.places import DESCRIPTION, Found, described_names, is_fetched, locate, missing
 
 
@@ -46,6 +47,9 @@ class Description:
     hand: Vector | None = None  # (2, 3) grasp and pronosupination direction in the frame `tip`, or None
     # limits that are not those of the model, by joint
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    locked: Mapping[str, float] = field(
+        default_factory=dict
+    )  # where joints stand that are no part of the arm, rad or m
     tool: Placement | None = None  # frame of a tool in the frame `tip`, or None
     mount: Placement | None = None  # the frame `base` in its surroundings, or None
 
@@ -166,6 +170,7 @@ def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None, a
         reference=None if card.reference is None else np.array(card.reference),
         hand=None if card.grasp is None else np.array([card.grasp, card.pronosupination]),
         limits=card.limits,
+        locked=as_locked(card.locked, robot.model, robot.mimic_joints),
         tool=card.tool,
         mount=card.mount,
     )

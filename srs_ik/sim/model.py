@@ -79,8 +79,9 @@ def make_spec(arm: Arm) -> tuple[Any, str]:
 
 
 def _urdf(arm: Arm) -> str | None:
-    """The arm's URDF, links and joints alone; None for an arm that was not loaded from one."""
-    if arm.drawing is None:
+    """The arm's URDF, links and joints alone; None for an arm that was not loaded from one, or has joints elsewhere."""
+    if arm.drawing is None or arm.locked:
+        # MuJoCo would have all other joints at zero.
         return None
     content = arm.drawing.content
     try:

@@ -6,11 +6,12 @@ import contextlib
 import importlib
 import io
 import threading
+import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from srs_ik.errors import InvalidRobot, MissingExtra
+from srs_ik.errors import InvalidRobot, MissingExtra, did_you_mean, quoted
 from srs_ik.robot.description.packages import find_package
 
 _LOCK = threading.Lock()
@@ -25,19 +26,19 @@ def expand(path: Path, label: str, arguments: Mapping[str, str], packages: Mappi
     Args:
         path: the file.
         label: what error messages call it.
-        arguments: values of its ``<xacro:arg>``.
+        arguments: values of its ``<xacro:arg>``; a warning says which it makes no use of.
         packages: folders of ROS packages that cannot be found otherwise, see `srs_ik.robot.description.packages`.
 
     Raises:
         MissingExtra: xacro is not installed.
         InvalidRobot: the file is faulty, or a package or file that it includes is missing.
     """
+    if not path.is_file():
+        raise InvalidRobot(f"there is no file {label}", label)
     try:
         xacro, substitution = importlib.import_module("xacro"), importlib.import_module("xacro.substitution_args")
     except ImportError:
         raise MissingExtra("xacro", f"the xacro file {label}") from None
-    if not path.is_file():
-        raise InvalidRobot(f"there is no file {label}", label)
 
     def find(name: str) -> str:
         folder = (packages or {}).get(name) or find_package(name, near=path)
@@ -46,9 +47,10 @@ def expand(path: Path, label: str, arguments: Mapping[str, str], packages: Mappi
             raise InvalidRobot(f"{label} needs the ROS package {name!r}, which is not here: {hint}", label)
         return str(folder)
 
+    given = _Asked(arguments)
     with _LOCK, _finding(substitution, find), contextlib.redirect_stderr(io.StringIO()):
         try:
-            document = xacro.process_file(str(path), mappings=dict(arguments))
+            document = xacro.process_file(str(path), mappings=given)
         except Exception as error:
             cause = _cause(error)
             if isinstance(cause, InvalidRobot):
@@ -60,7 +62,27 @@ def expand(path: Path, label: str, arguments: Mapping[str, str], packages: Mappi
         if not document.getElementsByTagName("link"):
             reason = "it has no <link> of its own; if it only defines macros, take the file that uses them"
             raise InvalidRobot(f"{label} expands to nothing: {reason}", label)
+        for name in arguments:
+            if name not in given.asked:
+                hint = did_you_mean(name, sorted(given.asked))
+                warnings.warn(f"{label} makes no use of the argument {quoted(name)}{hint}", UserWarning, stacklevel=2)
         return str(document.toxml())
+
+
+class _Asked(dict[str, str]):
+    """Arguments that know which of them a file has asked for, whether they are there or not."""
+
+    def __init__(self, arguments: Mapping[str, str]) -> None:
+        super().__init__(arguments)
+        self.asked: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.asked.add(str(name))
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.asked.add(name)
+        return super().__getitem__(name)
 
 
 @contextlib.contextmanager

@@ -1,0 +1,172 @@
+"""Joints that are no part of the arm: where they are locked, and that poses are those of the whole robot there."""
+
+import warnings
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from command_line import Q, answer, run
+from robot_files import joint_xml, serial_arm
+
+import srs_ik
+from srs_ik.errors import InvalidConfiguration, InvalidRobot, NotAnSrsLimb
+
+LOCKED = {"lift": 0.3, "waist": -0.7, "turn": 2.0}
+
+
+def joint(name: str, parent: str, child: str, kind: str, axis: str, lower: float, upper: float, more: str = "") -> str:
+    limit = f'<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>'
+    inside = f'<origin xyz="0.1 0.2 0.3" rpy="0.4 0.1 0.2"/><axis xyz="{axis}"/>{limit}{more}'
+    return f'<link name="{child}"/>' + joint_xml(name, parent, child, kind, inside)
+
+
+def body(lowest: float = 0.0, more: str = "") -> str:
+    """A lift, a waist and a turning column, an arm on them, and a finger on its hand."""
+    return (
+        '<robot name="body"><link name="floor"/>'
+        + joint("lift", "floor", "torso", "prismatic", "0 0 1", lowest, 0.5, more)
+        + joint("waist", "torso", "chest", "revolute", "0 1 0", -1.0, 1.0)
+        + joint("turn", "chest", "column", "continuous", "1 0 0", 0.0, 0.0)
+        + serial_arm()
+        + joint_xml("on_column", "column", "l0", "fixed", "")
+        + joint("finger", "l7", "nail", "prismatic", "1 0 0", 0.0, 0.1)
+        + "</robot>"
+    )
+
+
+def tip_in_base(arm, model, configuration) -> np.ndarray:
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, configuration)
+    base, tip = (data.oMf[model.getFrameId(frame)] for frame in (arm.base, arm.tip))
+    return base.actInv(tip).homogeneous
+
+
+@pytest.fixture(scope="module")
+def model():
+    return pin.buildModelFromXML(body())
+
+
+@pytest.mark.parametrize("base", ["floor", "torso", "column", None])
+@pytest.mark.parametrize("tip", ["l7", "nail"])
+def test_poses_are_those_of_the_whole_robot_with_its_joints_there(base, tip, model):
+    arm = srs_ik.load(body(), base=base, tip=tip, locked={**LOCKED, "finger": 0.05})
+    assert arm.locked == {**LOCKED, "finger": 0.05}
+    whole = pin.neutral(model)
+    for name, at in arm.locked.items():
+        one = model.joints[model.getJointId(name)]
+        whole[one.idx_q : one.idx_q + one.nq] = [at] if one.nq == 1 else [np.cos(at), np.sin(at)]
+    q = np.array(Q, dtype=float)
+    solution = arm.solve(arm.forward_kinematics(q), seed=q)
+    # Those that are not given stand where the arm has them, too.
+    for others in (whole, None):
+        filled = arm.configuration(solution.q, model, others)
+        reached = tip_in_base(arm, model, filled)
+        np.testing.assert_allclose(reached, arm.forward_kinematics(q).homogeneous, atol=1e-12)  # m, rounding
+
+
+def test_joints_elsewhere_between_base_and_tip_are_refused_and_behind_the_base_do_not_count(model):
+    whole = pin.neutral(model)
+    waist = model.joints[model.getJointId("waist")].idx_q
+    whole[waist] = 0.5
+    q = [0.1] * 7
+    far = srs_ik.load(model, base="floor", tip="l7")
+    moved = far.forward_kinematics(q).translation
+    with pytest.raises(InvalidConfiguration, match=r"joint 'waist', between base and tip, is at 0\.5, not at 0 where"):
+        far.configuration(q, model, whole)
+    near = srs_ik.load(model, tip="l7")
+    reached = tip_in_base(near, model, near.configuration(q, model, whole))
+    np.testing.assert_allclose(reached, near.forward_kinematics(q).homogeneous, atol=1e-12)  # m, rounding
+    whole[waist] = 5e-4
+    whole[model.joints[model.getJointId("finger")].idx_q] = 0.1
+    reached = tip_in_base(far, model, far.configuration(q, model, whole))
+    # A joint that was measured a little off puts the tip off by as little: rad times the reach of 1.7 m.
+    assert 0.0 < np.linalg.norm(reached[:3, 3] - moved) < 5e-4 * 1.7
+
+
+@pytest.mark.parametrize(
+    ("locked", "says"),
+    [
+        ({"lft": 0.1}, r"there is no joint 'lft' to lock \(did you mean 'lift'\?\); the joints are lift, waist"),
+        ({"lift": 0.6}, "joint 'lift' goes from 0 to 0.5 and cannot be locked at 0.6"),
+        ({"lift": np.nan}, "joint 'lift' is locked at a finite number, rad or m, not at nan"),
+        ({"lift": "up"}, "joint 'lift' is locked at a finite number, rad or m, not at 'up'"),
+        ({"turn": np.inf}, "joint 'turn' is locked at a finite number, rad or m, not at inf"),
+        ({3: 0.1}, "there is no joint 3 to lock"),
+        (0.3, r"locked is given as \{joint: position\}, not as 0.3"),
+    ],
+)
+def test_what_cannot_be_locked(locked, says):
+    for call in (srs_ik.load, srs_ik.find_limbs):
+        with pytest.raises(InvalidRobot, match=f"^{says}"):
+            call(body(), locked=locked)
+
+
+def test_a_joint_of_the_arm_cannot_be_locked():
+    with pytest.raises(NotAnSrsLimb, match=r"j3 cannot be of it, as locked$"):
+        srs_ik.load(body(), locked={"j3": 0.1})
+    with pytest.raises(NotAnSrsLimb, match=r"\(.*j3 is locked.*\)"):
+        srs_ik.load(body(), base="floor", tip="l7", locked={"j3": 0.1})
+
+
+def test_joints_that_cannot_be_at_zero_are_told_where_they_count():
+    said = r"locked at 0, where it cannot be: lift \(0.2 to 0.5\); locked= says where it is"
+    with pytest.warns(UserWarning, match=said):
+        srs_ik.load(body(lowest=0.2), base="floor")
+    (report,) = srs_ik.find_limbs(body(lowest=0.2))
+    assert report.note == said.replace("\\", "")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        srs_ik.load(body(lowest=0.2))  # its base is behind the lift
+        srs_ik.load(body(lowest=0.2), base="floor", locked={"lift": 0.2})
+    (report,) = srs_ik.find_limbs(body(lowest=0.2), locked={"lift": 0.2})
+    assert (report.note, report.locked, report.locked_at) == ("", ("lift", "waist", "turn"), {"lift": 0.2})
+    assert report.describe().endswith("; locked on the way to it: lift at 0.2, waist, turn.")
+
+
+def test_a_joint_that_mimics_a_locked_one_is_asked_for():
+    slide = joint("second", "l7", "plate", "prismatic", "0 0 1", 0.0, 1.0, '<mimic joint="lift"/>')
+    xml = body().replace("</robot>", slide + "</robot>")
+    with pytest.raises(InvalidRobot, match=r"^'second' mimics 'lift', which is locked: give its position too$"):
+        srs_ik.load(xml, locked={"lift": 0.1})
+    assert srs_ik.load(xml, locked={"lift": 0.1, "second": 0.1}, tip="l7").locked == {"lift": 0.1, "second": 0.1}
+
+
+def test_adapters_and_the_command_line_lock_joints_too(tmp_path, model):
+    file, adapter = tmp_path / "body.urdf", tmp_path / "robot.toml"
+    file.write_text(body())
+    lock = ["--lock", "lift:=0.3", "--lock", "waist:=-0.7", "--base", "floor", "--tip", "l7"]
+    arm = srs_ik.load(file, base="floor", tip="l7", locked={"lift": 0.3, "waist": -0.7})
+    expected = arm.forward_kinematics(np.array(Q, dtype=float)).homogeneous
+    np.testing.assert_allclose(answer("fk", str(file), "--q", *Q, *lock)["T_base_tip"], expected, atol=1e-12)
+    (shown,) = answer("inspect", str(file), *lock, "--write", str(adapter))["limbs"]
+    assert (shown["locked"], shown["locked_at"]) == (["lift", "waist", "turn"], {"lift": 0.3, "waist": -0.7})
+    assert "locked on the way to it: lift at 0.3, waist at -0.7, turn\n" in run("inspect", str(file), *lock).stdout
+    assert srs_ik.load(adapter).locked == arm.locked
+    np.testing.assert_allclose(answer("fk", str(adapter), "--q", *Q)["T_base_tip"], expected, atol=1e-12)
+    again = srs_ik.load(adapter, locked={"waist": 0.1})
+    whole = again.configuration(np.array(Q, dtype=float), model)
+    np.testing.assert_allclose(
+        tip_in_base(again, model, whole), again.forward_kinematics(np.array(Q, dtype=float)).homogeneous, atol=1e-12
+    )
+    adapter.write_text(adapter.read_text().replace('"lift" = 0.3', '"lift" = "up"'))
+    with pytest.raises(InvalidRobot, match=r"'lift' in \[locked\] must be a number, not 'up'"):
+        srs_ik.load(adapter)
+    assert run("fk", str(file), "--q", *Q, "--lock", "lift").stderr.startswith("srs-ik: --lock takes NAME:=VALUE")
+
+
+def test_a_simulated_arm_stands_on_its_locked_joints():
+    mujoco = pytest.importorskip("mujoco", "3.14")
+    from srs_ik.sim.model import make_spec
+
+    inertia = '<mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/>'
+    xml = body()
+    for k in range(1, 8):
+        xml = xml.replace(f'<link name="l{k}"/>', f'<link name="l{k}"><inertial>{inertia}</inertial></link>')
+    arm = srs_ik.load(xml, base="floor", tip="l7", locked=LOCKED)
+    simulated = make_spec(arm)[0].compile()
+    state = mujoco.MjData(simulated)
+    state.qpos[:] = np.array(Q, dtype=float)
+    mujoco.mj_forward(simulated, state)
+    data = arm.model.createData()
+    pin.forwardKinematics(arm.model, data, arm.configuration(np.array(Q, dtype=float)))
+    np.testing.assert_allclose(state.xpos[-1], data.oMi[7].translation, atol=1e-12)  # m, rounding
