@@ -245,8 +245,8 @@ def force_velocity_ratio(J: ArrayLike, force: ArrayLike, velocity: ArrayLike) ->
         velocity: (3,) or (N, 3) direction of the velocity, likewise.
 
     Returns:
-        A number, or (N,); inf where the tip cannot move along the velocity at all, whatever the force, and else 0 where
-        it cannot move along the force. Directions count as such up to rounding, as those of ellipsoids do.
+        A number, or (N,); huge, or inf, where the tip cannot move along the velocity, and inf where it can move along
+        neither, up to rounding.
 
     Raises:
         InvalidTask: J, force or velocity are malformed, or a direction is zero.
@@ -258,9 +258,10 @@ def force_velocity_ratio(J: ArrayLike, force: ArrayLike, velocity: ArrayLike) ->
     Jp /= np.maximum(np.abs(Jp).max(axis=(-2, -1), keepdims=True), SMALLEST)
     f, v = _directions(force, 3, "force", Jp.shape[:-2]), _directions(velocity, 3, "velocity", Jp.shape[:-2])
     effort, ease = (np.sum(np.einsum("...i,...ij->...j", u, Jp) ** 2, axis=-1) for u in (f, v))
-    rounding = RANK_TOLERANCE**2 * np.sum(Jp**2, axis=(-2, -1))
-    effort = np.where(effort <= rounding, 0.0, effort)
-    return _plain(np.divide(effort, ease, out=np.full_like(effort, np.inf), where=ease > rounding))
+    # Where both are rounding, so is their ratio.
+    neither = np.maximum(effort, ease) <= RANK_TOLERANCE**2 * np.sum(Jp**2, axis=(-2, -1))
+    with np.errstate(over="ignore"):
+        return _plain(np.where(neither, np.inf, effort / np.maximum(ease, SMALLEST)))
 
 
 def rows_of(part: str) -> slice:
