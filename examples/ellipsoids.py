@@ -39,8 +39,9 @@ print(srs_ik.force_ellipsoid(stretched))
 # Polytopes have the corners that the limits really leave, and the weight of the arm (extra "polytopes").
 try:
     strong = srs_ik.force_polytope(arm, q)
-    up, down = strong.extent_along([0, 0, 1]), strong.extent_along([0, 0, -1])
-    print(f"the tip lifts with {up:.0f} N and pushes down with {down:.0f} N")
+    up, down = strong.radius_along([0, 0, 1]), strong.radius_along([0, 0, -1])
+    print(f"the tip lifts with {up:.0f} N and pushes down with {down:.0f} N, without a force sideways")
+    print(f"with one, its upward component reaches {strong.extent_along([0, 0, 1]):.0f} N")
 except srs_ik.MissingExtra as missing:
     print(missing)
 

@@ -105,7 +105,7 @@ class AmbiguousLimb(SrsIkError):
         self.candidates = tuple((str(base), str(tip)) for base, tip in candidates)
 
 
-class MissingExtra(SrsIkError):
+class MissingExtra(SrsIkError, ImportError):
     """Something that needs an optional part of the installation.
 
     Attributes:

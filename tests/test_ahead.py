@@ -5,6 +5,7 @@ import ctypes
 import hashlib
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -248,7 +249,7 @@ def test_kernels_for_another_processor_say_so_in_one_line(installed, tmp_path):
     assert said.count("\n") == 1
     assert f"for {build.targets()[0][0]}, which this processor is not" in said
     assert "SRS_IK_BUILD=portable" in said
-    assert "pip install 'srs-ik[jit]'" in said
+    assert re.search(r"pip install \S*\[jit\]'", said)
     program = f"import sys; sys.path.insert(0, {str(copy)!r}); import srs_ik.arm"
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("SRS_IK", "PYTHON"))}
     done = subprocess.run(
@@ -364,7 +365,7 @@ def test_by_numba_on_demand_and_a_clear_line_where_there_is_none(installed):
     assert run_installed(installed, program, SRS_IK_JIT="1") == "compiled by Numba when first needed\n"
     program = "try:\n    import srs_ik.arm\nexcept ImportError as error:\n    print(error)"
     said = run_installed(installed, program, SRS_IK_JIT="1")
-    assert "pip install 'srs-ik[jit]'" in said
+    assert re.search(r"pip install \S*\[jit\]'", said)
     assert said.count("\n") == 1
 
 

@@ -67,6 +67,21 @@ def test_degrees_are_read():
     assert one["velocity"]["radii"] == pytest.approx(other["velocity"]["radii"])
 
 
+def test_polytopes_tell_the_largest_pure_force_along_a_direction():
+    """In tip axes the direction is one of the tip's."""
+    pytest.importorskip("pycapacity")
+    arm = srs_ik.load("iiwa14")
+    words = ["ellipsoids", "iiwa14", "--q", *Q, "--polytopes", "--along", "0", "0", "2"]
+    up = srs_ik.force_polytope(arm, ANGLES).radius_along([0, 0, 1])
+    assert answer(*words)["force_polytope"]["along"] == pytest.approx(up)
+    shown = run(*words).stdout
+    assert f"alone along (0 0 2): {up:.6g} N" in shown
+    forward = arm.forward_kinematics(ANGLES).rotation[:, 2]
+    along = srs_ik.velocity_polytope(arm, ANGLES).radius_along(forward)
+    assert answer(*words, "--axes", "tip")["velocity_polytope"]["along"] == pytest.approx(along)
+    assert answer(*words[:-4])["force_polytope"]["along"] is None
+
+
 def test_polytopes_are_printed_in_the_same_axes():
     pytest.importorskip("pycapacity")
     arm = srs_ik.load("iiwa14")

@@ -10,6 +10,7 @@ from scipy.integrate import quad
 
 import srs_ik
 from srs_ik.control import ForceProfile, FractalImpedance, JointLimits, JointSpeeds, TorqueController
+from srs_ik.control.baselines import JointImpedance, LinearImpedance, OperationalSpace
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
 
@@ -223,6 +224,39 @@ def test_torques_are_transposed_jacobians_times_forces_and_weight(name, per_axis
         for reading, error, force in zip(c.readings, errors, forces, strict=True):
             assert reading.error == pytest.approx(error, abs=1e-9)
             assert reading.force == pytest.approx(force, abs=1e-6)
+
+
+def test_a_controller_holds_the_weight_alone_until_it_has_a_target():
+    """And so do the rivals; once told, each does what one does that never was without."""
+    arm = arms.load("iiwa14")
+    q, v = np.array([1.5, 0.6, 0.0, -1.4, 0.0, 0.8, 0.0]), np.linspace(-0.4, 0.3, 7)
+    g = pin.computeGeneralizedGravity(arm.model, arm.model.createData(), arm.configuration(q))
+    profiles = {"tip": TIP, "orientation": TURN, "elbow": ELBOW, "arm_angle": TURN}
+    ports = [FractalImpedance(on, profile, damping=3.0) for on, profile in profiles.items()]
+    c = TorqueController(arm, ports)
+    for _ in range(3):
+        assert c.torque(q, v) == pytest.approx(g, abs=1e-9)
+    assert c.energy == c.power == 0.0
+    assert all(np.all(reading.force == 0.0) and np.all(reading.error == 0.0) for reading in c.readings)
+    assert [reading.on for reading in c.readings] == list(profiles)
+    # The elbow alone is told: the others go on doing nothing.
+    elbow = arms.forward("iiwa14").carried(q, 3, arm.limb.elbow)
+    c.set_elbow(elbow + 0.02 * np.eye(3)[1])
+    c.torque(q, v)
+    assert [bool(np.any(reading.force)) for reading in c.readings] == [False, False, True, False]
+    assert c.readings[2].error == pytest.approx([0.0, 0.02, 0.0], abs=1e-9)
+    c.set_posture(q + 0.1)
+    other = TorqueController(arm, ports)
+    other.set_posture(q + 0.1)
+    for _ in range(3):
+        np.testing.assert_array_equal(c.torque(q, v), other.torque(q, v))
+        assert np.abs(c.torque(q, v) - g).max() > 1.0
+        other.torque(q, v)
+    for rival in (OperationalSpace(arm), LinearImpedance(arm), JointImpedance(arm)):
+        assert rival.torque(q, v) == pytest.approx(g, abs=1e-9)
+        assert rival.gravity_torque == pytest.approx(g, abs=1e-9)
+        rival.set_posture(q + 0.1)
+        assert np.abs(rival.torque(q, v) - g).max() > 1.0
 
 
 def test_the_arm_angle_is_pulled_along_its_derivatives():

@@ -191,6 +191,28 @@ def test_the_ratio_is_that_of_any_multiple_of_the_jacobian(scale):
         assert srs_ik.force_velocity_ratio(scale * J, f, v) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("q", "line"), [(np.zeros(7), [1.0, 0.0, 0.0]), (STRETCHED, None)], ids=["one direction left", "two left"]
+)
+def test_the_ratio_of_directions_that_are_singular_is_no_rounding(q, line):
+    """At zero angles the tip of iiwa14 moves along x alone, and stretched across the arm alone: by SVD."""
+    J = arms.load("iiwa14").jacobian(q)
+    U, values, _ = np.linalg.svd(J[:3])
+    rank = np.count_nonzero(values > 1e-9)
+    assert rank == (2 if line is None else 1)
+    assert line is None or abs(U[0, 0]) == pytest.approx(1.0)
+    moved, stuck = U[:, :rank].T, U[:, rank:].T
+    for v in stuck:
+        for f in stuck:
+            assert srs_ik.force_velocity_ratio(J, f, v) == np.inf
+            assert srs_ik.force_velocity_ratio(1e-3 * J, -f, 5.0 * v) == np.inf
+        assert all(srs_ik.force_velocity_ratio(J, f, v) > 1e15 for f in moved)
+    for v in moved:
+        assert all(srs_ik.force_velocity_ratio(J, f, v) < 1e-15 for f in stuck)
+        expected = np.sum((J[:3].T @ moved[0]) ** 2) / np.sum((J[:3].T @ v) ** 2)
+        assert srs_ik.force_velocity_ratio(J, moved[0], v) == pytest.approx(expected, rel=1e-9)
+
+
 def test_the_ratio_is_the_one_that_optimise_minimises():
     arm = arms.load("iiwa14")
     force, velocity = [1.0, 2.0, -3.0], [0.2, 0.0, 5.0]

@@ -1,8 +1,11 @@
 import copy
 import json
+import os
 import pickle
 import re
 import shlex
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -96,6 +99,42 @@ def test_missing_extra_gives_the_command_that_brings_it_to_the_checkout():
     *command, requirement = shlex.split(error.command)
     assert command == ["pip", "install", "-e"]
     assert requirement == f"{ROOT}[robots]"
+
+
+WITHOUT_KERNELS = "import sys; sys.modules['numba'] = None\n"
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_without_kernels_and_numba_the_command_line_names_what_is_missing(terminal):
+    """One line and exit status 2: 1 would say that the pose has no solution."""
+    words = ["srs-ik", "solve", "iiwa14", "--xyz", ".5", ".1", ".6", "--rpy", "0", "1.57", "0"]
+    program = f"sys.argv = {words!r}\nsys.stderr.isatty = lambda: {terminal}\nfrom srs_ik.cli import main\nmain()"
+    done = without_kernels(program)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("srs-ik: srs_ik has no compiled kernels here, and no Numba to compile them")
+    assert done.stderr.endswith(f": {errors.install_command('jit')}\n")
+    assert done.stderr.count("\n") == 1
+
+
+def test_without_kernels_and_numba_python_raises_missing_extra():
+    program = """
+import srs_ik
+for kind in (srs_ik.MissingExtra, ImportError):
+    try:
+        srs_ik.load("iiwa14")
+    except kind as error:
+        print(error.extra)
+"""
+    done = without_kernels(program)
+    assert (done.stdout, done.stderr) == ("jit\njit\n", "")
+
+
+def without_kernels(program):
+    """A program in this checkout whose compiled kernels are left out, and that finds no Numba."""
+    environment = {**os.environ, "SRS_IK_JIT": "1", "PYTHONPATH": str(ROOT)}
+    environment.pop("NUMBA_DISABLE_JIT", None)
+    command = [sys.executable, "-c", WITHOUT_KERNELS + program]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
 
 
 def test_every_extra_that_is_asked_for_is_one_of_the_project():

@@ -372,3 +372,85 @@ def test_torques_of_one_sign_leave_what_they_hold(least, most, part):
         assert asked.status == 0
     if asked.status == 2:
         assert P.empty
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("name", ARMS)
+def test_pure_forces_end_where_the_first_joint_is_at_its_limit(name, part):
+    """And pure velocities where a linear programme says; both within the largest component."""
+    arm = arms.load(name)
+    limits = own_limits(arm, "effort")
+    bound = limits.get("upper", arm.effort_limit)
+    for q in arms.configurations(name, 4, salt=17):
+        J, load = arm.jacobian(q)[ROWS[part]], gravity(arm, q)
+        F = srs_ik.force_polytope(arm, q, part, **limits)
+        V = srs_ik.velocity_polytope(arm, q, part, LEAST, MOST)
+        for P in (F, V):
+            assert np.linalg.norm(P.normals, axis=1) == pytest.approx(1.0)
+            assert (P.vertices @ P.normals.T - P.offsets).max() < 1e-9 * np.abs(P.vertices).max()
+        for u in directions(name):
+            rate = J.T @ u
+            loaded = np.abs(rate) > 1e-9
+            farthest = np.min((np.sign(rate) * bound - load)[loaded] / rate[loaded])
+            assert F.radius_along(3.0 * u) == pytest.approx(farthest, rel=1e-8)
+            best = linprog(
+                np.r_[np.zeros(7), -1.0],
+                A_eq=np.column_stack([J, -u]),
+                b_eq=np.zeros(3),
+                bounds=[*zip(LEAST, MOST, strict=True), (None, None)],
+            )
+            assert V.radius_along(u) == pytest.approx(-best.fun, rel=1e-7)
+            assert F.radius_along(u) <= F.extent_along(u) * (1.0 + 1e-9)
+            assert V.radius_along(u) <= V.extent_along(u) * (1.0 + 1e-9)
+
+
+def test_a_pure_force_of_the_documentation_is_held_and_a_larger_one_is_not():
+    """The largest component upwards, 370 N, needs a force sideways; alone it is beyond a joint's limit."""
+    arm = arms.load("iiwa14")
+    P, data = srs_ik.force_polytope(arm, Q), arm.model.createData()
+    for u in np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]):
+        force = P.radius_along(u)
+        torque = gravity(arm, Q) + held(arm, arm.model, data, Q, np.r_[force * u, np.zeros(3)])
+        assert (np.abs(torque) / arm.effort_limit).max() == pytest.approx(1.0, abs=1e-9)
+        assert force < 0.95 * P.extent_along(u)
+
+
+def test_pure_forces_and_velocities_at_singular_postures():
+    arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")
+    for q in (STRETCHED, FOLDED):
+        line = forward(np.array(q)).translation - arm.limb.shoulder
+        line /= np.linalg.norm(line)
+        across = np.linalg.svd(line[None])[2][1]
+        V, F = srs_ik.velocity_polytope(arm, q), srs_ik.force_polytope(arm, q)
+        assert V.radius_along(line) == pytest.approx(0.0, abs=1e-12)
+        assert V.radius_along(line + across) == pytest.approx(0.0, abs=1e-12)
+        # Rounding along the line would leave the plane.
+        assert 0.0 < V.radius_along(V.vertices.T @ np.linalg.pinv(V.vertices.T) @ across) < np.inf
+        assert F.radius_along(line) == F.radius_along(-line) == np.inf
+        # The structure carries what is along the line: what is left counts.
+        assert F.radius_along(line + across) == pytest.approx(np.sqrt(2.0) * F.radius_along(across), rel=1e-9)
+    weak = srs_ik.force_polytope(arm, Q, upper=np.full(7, 1.0))
+    assert weak.radius_along([1, 0, 0]) == -np.inf
+    with pytest.raises(srs_ik.InvalidTask, match="direction must be 3 finite numbers"):
+        weak.radius_along([0, 0, 0])
+
+
+def test_limits_that_leave_zero_out_leave_some_directions_without_any_velocity():
+    arm = arms.load("iiwa14")
+    J, lower, upper = arm.jacobian(Q)[:3], np.full(7, 0.5), np.full(7, 1.0)
+    P = srs_ik.velocity_polytope(arm, Q, lower=lower, upper=upper)
+    met = 0
+    for u in np.vstack([directions("iiwa14"), P.vertices, [J @ (0.5 * (lower + upper))]]):
+        u = u / np.linalg.norm(u)
+        best = linprog(
+            np.r_[np.zeros(7), -1.0],
+            A_eq=np.column_stack([J, -u]),
+            b_eq=np.zeros(3),
+            bounds=[*zip(lower, upper, strict=True), (None, None)],
+        )
+        if best.status == 0:
+            assert P.radius_along(u) == pytest.approx(-best.fun, rel=1e-7)
+            met += 1
+        else:
+            assert P.radius_along(u) == -np.inf
+    assert 0 < met < len(P.vertices) + 47

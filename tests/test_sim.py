@@ -166,6 +166,30 @@ def test_gravity_alone_keeps_the_arm_where_it_is():
     assert np.ptp(record.potential + record.kinetic) < 1e-9
 
 
+def test_what_is_said_of_a_state_belongs_to_its_angles_and_speeds():
+    """Energies of a record, and what the plant says after a step, beside Pinocchio at the same q and v.
+
+    A time step late, energies of this motion of 1.4 J would be off by 0.01 J, and a push by the way of a step.
+    """
+    arm = arms.load("iiwa14")
+    plant, c, data = Plant(arm, damping=0.0), controller(arm), arm.model.createData()
+    plant.reset(HOME)
+    c.set_posture(HOME + 0.1)
+    record = simulate(plant, c, 0.3)
+    kinetic = [pin.computeKineticEnergy(arm.model, data, q, v) for q, v in zip(record.q, record.v, strict=True)]
+    potential = np.array([pin.computePotentialEnergy(arm.model, data, q) for q in record.q])
+    assert max(kinetic) > 0.5
+    np.testing.assert_allclose(record.kinetic, kinetic, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(np.diff(record.potential), np.diff(potential), rtol=0.0, atol=1e-9)
+    assert plant.energy[1] == pytest.approx(pin.computeKineticEnergy(arm.model, data, plant.q, plant.v), abs=1e-9)
+    np.testing.assert_allclose(plant.bias, pin.nonLinearEffects(arm.model, data, plant.q, plant.v), atol=1e-9)
+    plant.push("tip", [3.0, -2.0, 5.0])
+    np.testing.assert_allclose(plant.data.qfrc_applied, arm.jacobian(plant.q)[:3].T @ [3.0, -2.0, 5.0], atol=1e-9)
+    plant.fall_exactly()
+    plant.step(np.zeros(7))
+    assert plant.energy[1] == pytest.approx(pin.computeKineticEnergy(arm.model, data, plant.q, plant.v), abs=1e-9)
+
+
 def test_energy_is_what_the_ports_put_in():
     arm = arms.load("iiwa14")
     plant, c = Plant(arm, damping=0.0), controller(arm)
@@ -173,7 +197,7 @@ def test_energy_is_what_the_ports_put_in():
     c.set_posture(HOME + 0.1)
     record = simulate(plant, c, 0.3)
     total = record.kinetic - record.kinetic[0]
-    assert record.work == pytest.approx(total, abs=0.02 * total.max())
+    assert record.work == pytest.approx(total, abs=0.002 * total.max())
     assert record.stored[0] > record.stored[-1]
 
 

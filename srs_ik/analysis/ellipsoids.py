@@ -245,7 +245,8 @@ def force_velocity_ratio(J: ArrayLike, force: ArrayLike, velocity: ArrayLike) ->
         velocity: (3,) or (N, 3) direction of the velocity, likewise.
 
     Returns:
-        A number, or (N,); huge, or inf, where the tip cannot move along the velocity.
+        A number, or (N,); huge, or inf, where the tip cannot move along the velocity, and inf where it can move along
+        neither, up to rounding.
 
     Raises:
         InvalidTask: J, force or velocity are malformed, or a direction is zero.
@@ -257,8 +258,10 @@ def force_velocity_ratio(J: ArrayLike, force: ArrayLike, velocity: ArrayLike) ->
     Jp /= np.maximum(np.abs(Jp).max(axis=(-2, -1), keepdims=True), SMALLEST)
     f, v = _directions(force, 3, "force", Jp.shape[:-2]), _directions(velocity, 3, "velocity", Jp.shape[:-2])
     effort, ease = (np.sum(np.einsum("...i,...ij->...j", u, Jp) ** 2, axis=-1) for u in (f, v))
+    # Where both are rounding, so is their ratio.
+    neither = np.maximum(effort, ease) <= RANK_TOLERANCE**2 * np.sum(Jp**2, axis=(-2, -1))
     with np.errstate(over="ignore"):
-        return _plain(effort / np.maximum(ease, SMALLEST))
+        return _plain(np.where(neither, np.inf, effort / np.maximum(ease, SMALLEST)))
 
 
 def rows_of(part: str) -> slice:

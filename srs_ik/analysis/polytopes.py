@@ -40,6 +40,9 @@ class Polytope:
         rank: number of dimensions that are not singular, 0 to 3.
         singular: (3, 3 - rank) unit directions in columns. A velocity polytope is flat across them. A force polytope is
             unbounded along them, and what is given is its section perpendicular to them.
+        normals: (m, 3) unit vectors, and
+        offsets: (m,) in `unit`: every point x of the polytope has normals @ x <= offsets; those of no face may be among
+            them.
 
     A force polytope without vertices is empty: the joint torques do not suffice to hold the arm itself up.
     """
@@ -50,6 +53,8 @@ class Polytope:
     faces: NDArray[np.int64]
     rank: int
     singular: Array
+    normals: Array
+    offsets: Array
 
     @property
     def flat(self) -> bool:
@@ -74,22 +79,54 @@ class Polytope:
     def extent_along(self, direction: ArrayLike) -> float:
         """The largest component along a direction, (3,) of any length, in `unit`; inf where unbounded, -inf if empty.
 
+        Parts across the direction are free: as a pure force or velocity along it, it may be too large; see
+        `radius_along`.
+
         Raises:
             InvalidTask: not 3 finite numbers, or all zero.
         """
-        try:
-            u = real_array(direction)
-        except (TypeError, ValueError):
-            u = np.empty(0)
-        if u.shape != (3,) or not np.isfinite(u).all() or not u.any():
-            raise InvalidTask("direction must be 3 finite numbers that are not all zero")
-        u /= np.abs(u).max()
-        u /= np.linalg.norm(u)
+        u = _unit(direction)
         if self.empty:
             return -np.inf
         if self.unbounded and np.linalg.norm(u @ self.singular) > RANK_TOLERANCE:
             return np.inf
         return float((self.vertices @ u).max())
+
+    def radius_along(self, direction: ArrayLike) -> float:
+        """The largest pure force, or velocity, along a direction, (3,) of any length: one without any part across it.
+
+        Returns:
+            In `unit`; 0 along a direction that leaves a flat polytope, inf along a singular direction of a force
+            polytope, -inf where no multiple of the direction is within the polytope. Limits that leave out zero may
+            leave negative multiples alone: the answer is that nearest zero.
+
+        Raises:
+            InvalidTask: not 3 finite numbers, or all zero.
+        """
+        u = _unit(direction)
+        if self.empty:
+            return -np.inf
+        slack = SAME * np.abs(self.vertices).max()
+        least, most = -np.inf, np.inf
+        off = u @ self.singular
+        if self.kind == "velocity":
+            # Of a flat polytope the line meets the plane once, unless it lies in the plane; or it never does.
+            lifted = self.vertices[0] @ self.singular
+            if np.linalg.norm(off) > RANK_TOLERANCE:
+                least = most = float(lifted @ off / (off @ off))
+                lifted = lifted - most * off
+            if np.linalg.norm(lifted) > slack:
+                return -np.inf
+        elif np.linalg.norm(u - self.singular @ off) <= RANK_TOLERANCE:
+            return np.inf if (self.offsets >= -slack).all() else -np.inf
+        slope = self.normals @ u
+        beside = np.abs(slope) <= RANK_TOLERANCE
+        if (self.offsets[beside] < -slack).any():
+            return -np.inf
+        ends = self.offsets / np.where(beside, 1.0, slope)
+        most = min(most, ends[~beside & (slope > 0.0)].min(initial=np.inf))
+        least = max(least, ends[~beside & (slope < 0.0)].max(initial=-np.inf))
+        return float(most) if least <= most + slack else -np.inf
 
     def __repr__(self) -> str:
         note = ", empty" if self.empty else ", flat" if self.flat else ", unbounded" if self.unbounded else ""
@@ -129,8 +166,8 @@ def velocity_polytope(
     J = arm.jacobian(q)[_rows_of(part)]
     middle, half = 0.5 * (most + least), 0.5 * (most - least)
     U, stretch, V, rank = _principal(J * half)
-    corners = _corners(*_image_of_the_cube(V))
-    return _lifted("velocity", part, corners, U, stretch, rank, J @ middle)
+    H, d = _image_of_the_cube(V)
+    return _lifted("velocity", part, H, d, U, stretch, rank, J @ middle)
 
 
 def force_polytope(
@@ -168,8 +205,20 @@ def force_polytope(
     middle, half = 0.5 * (most + least), 0.5 * (most - least)
     U, stretch, V, rank = _principal(J / half)
     bias = (load - middle) / half
-    corners = _corners(np.vstack([V.T, -V.T]), np.concatenate([1.0 - bias, 1.0 + bias]))
-    return _lifted("force", part, corners, U, 1.0 / stretch, rank, np.zeros(3))
+    H, d = np.vstack([V.T, -V.T]), np.concatenate([1.0 - bias, 1.0 + bias])
+    return _lifted("force", part, H, d, U, 1.0 / stretch, rank, np.zeros(3))
+
+
+def _unit(direction: ArrayLike) -> Array:
+    """A direction of length 1; raises InvalidTask where it is none."""
+    try:
+        u = real_array(direction)
+    except (TypeError, ValueError):
+        u = np.empty(0)
+    if u.shape != (3,) or not np.isfinite(u).all() or not u.any():
+        raise InvalidTask("direction must be 3 finite numbers that are not all zero")
+    u /= np.abs(u).max()
+    return np.asarray(u / np.linalg.norm(u))
 
 
 def _principal(J: Array) -> tuple[Array, Array, Array, int]:
@@ -236,15 +285,17 @@ def _middle(H: Array, d: Array) -> Array | None:
 def _lifted(
     kind: Literal["velocity", "force"],
     part: Literal["linear", "angular"],
-    corners: Array,
+    H: Array,
+    d: Array,
     U: Array,
     stretch: Array,
     rank: int,
     centre: Array,
 ) -> Polytope:
-    """The polytope with these corners (n, r) in principal axes, brought to base axes."""
+    """The polytope H y <= d of principal axes, brought to base axes."""
     from scipy.spatial import ConvexHull
 
+    corners = _corners(H, d)
     used, faces = np.arange(len(corners)), np.empty((0, 3), np.int64)
     if rank > 1 and len(corners):
         hull = ConvexHull(corners)
@@ -260,7 +311,12 @@ def _lifted(
             faces[turned] = faces[turned][:, ::-1]
         faces = np.searchsorted(used, faces)
     vertices = centre + (corners[used] * stretch) @ U[:, :rank].T
-    return Polytope(kind, part, vertices, faces, rank, U[:, rank:])
+    normals = (H / stretch) @ U[:, :rank].T
+    lengths = np.linalg.norm(H / stretch, axis=1)
+    loaded = np.linalg.norm(H, axis=1) >= SAME
+    normals = normals[loaded] / lengths[loaded, None]
+    offsets = d[loaded] / lengths[loaded] + normals @ centre
+    return Polytope(kind, part, vertices, faces, rank, U[:, rank:], normals, offsets)
 
 
 def _bounds(arm: ChainKinematics, kind: Literal["velocity", "effort"], lower: Any, upper: Any) -> tuple[Array, Array]:

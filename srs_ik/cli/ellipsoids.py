@@ -53,7 +53,8 @@ def ellipsoids(
     ] = False,
     axes: Annotated[Axes, typer.Option(help="Frame in which directions are given and printed.")] = Axes.base,
     along: Annotated[
-        Three | None, typer.Option(metavar="X Y Z", help="Also the transmission ratios along this direction.")
+        Three | None,
+        typer.Option(metavar="X Y Z", help="Also the transmission ratios, and pure velocities and forces, along it."),
     ] = None,
     polytopes: Annotated[
         bool, typer.Option("--polytopes", help="Also the polytopes within the arm's own limits (extra 'polytopes').")
@@ -116,6 +117,7 @@ def ellipsoids(
     for body in bodies:
         answer[f"{body.kind}_polytope"] = {
             "unit": body.unit,
+            "along": None if direction is None else body.radius_along(R @ direction),
             "rank": body.rank,
             "vertices": body.vertices @ R,
             "faces": body.faces,
@@ -159,6 +161,9 @@ def _print(
     for body in bodies:
         out.print()
         _print_polytope(out, body, R)
+        if direction is not None:
+            largest = answer[f"{body.kind}_polytope"]["along"]
+            out.print(f"alone along ({' '.join(f'{x:g}' for x in direction)}): {_figure(largest)} {body.unit}")
 
 
 def _print_ellipsoid(out: Console, ellipsoid: Ellipsoid, frame: str) -> None:
@@ -186,7 +191,7 @@ def _print_polytope(out: Console, body: Polytope, R: Any) -> None:
         (name, _figure(-body.extent_along(-u)), _figure(body.extent_along(u)))
         for name, u in zip("xyz", R.T, strict=True)
     ]
-    out.print(table(("axis", f"least ({body.unit})", f"largest ({body.unit})"), rows))
+    out.print(table(("component", f"least ({body.unit})", f"largest ({body.unit})"), rows))
     for u in body.singular.T @ R:
         out.print(f"{'flat across' if body.flat else 'unbounded along'} ({' '.join(fixed(x, 6) for x in u)})")
 

@@ -8,6 +8,7 @@ import threading
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from types import FrameType
 from typing import Any, TypeVar
 
@@ -33,9 +34,9 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 def announce_compilation() -> None:
     """Print one line on standard error when something is first compiled; programs that read it, and logs, get none.
 
-    Where the kernels were compiled when the package was built, nothing is.
+    Where the kernels were compiled when the package was built, nothing is; nor without Numba.
     """
-    if not sys.stderr.isatty() or all_compiled():
+    if not sys.stderr.isatty() or all_compiled() or find_spec("numba") is None:
         return
     from numba.core import event
 

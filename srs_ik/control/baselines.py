@@ -1,7 +1,7 @@
 """What torque control by superposition is compared with, each as it is written in textbooks, by Pinocchio's dynamics.
 
 All three have the weight of the arm held, as `TorqueController` has, and the interface of it: `torque(q, v)`,
-`set_target`.
+`set_target`. Until a target is set they hold the weight alone.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Gains:
 
 
 class _Baseline:
-    """Dynamics and target, which all baselines share.
+    """Dynamics and target, which all baselines share; they hold the weight alone until they have a target.
 
     Raises:
         InvalidController: a thing of another class, or a figure that is none.
@@ -73,7 +73,7 @@ class _Baseline:
         self._q = np.zeros(7)
         self.gravity_torque = np.zeros(7)
         self.energy = 0.0
-        self.set_posture(np.zeros(7))
+        self._aimed = False
 
     def set_target(self, pose: PoseLike, arm_angle: float | None = None, seed: ArrayLike | None = None) -> Any:
         """Aim at a pose, and at the posture that `Arm.solve` gives for it.
@@ -83,13 +83,13 @@ class _Baseline:
             InvalidConfiguration: arm angle or seed are malformed.
         """
         solution = self.arm.solve(pose, arm_angle=arm_angle, seed=seed)
-        self._T, self._q = as_rigid_matrix(pose), solution.q
+        self._T, self._q, self._aimed = as_rigid_matrix(pose), solution.q, True
         return solution
 
     def set_posture(self, q: ArrayLike) -> None:
         """Aim at seven joint angles, rad, and the pose of the tip there."""
         self._q = as_bounded_joint_vector(q)
-        self._T = self.arm.forward_kinematics(self._q).homogeneous
+        self._T, self._aimed = self.arm.forward_kinematics(self._q).homogeneous, True
 
     def torque(self, q: Array, v: Array) -> Array:
         """Torques of the joints, (7,), N m.
@@ -101,7 +101,11 @@ class _Baseline:
         Raises:
             InvalidConfiguration: not 7 finite figures each.
         """
-        return self._torque(as_bounded_joint_vector(q), as_joint_vector(v, "v"))
+        q, v = as_bounded_joint_vector(q), as_joint_vector(v, "v")
+        if not self._aimed:
+            self._dynamics(q, v)
+            return self.gravity_torque.copy()
+        return self._torque(q, v)
 
     def _torque(self, q: Array, v: Array) -> Array:
         raise NotImplementedError

@@ -57,6 +57,9 @@ class TorqueController:
     No matrix is inverted and no port is projected: the torque is finite in every configuration, and at most the sum of
     |J'| times the largest force of each port, with J in the axes of the port, and the weight.
 
+    A port does nothing until it has a target. Until then the arm is held up, repelled by `limits` and braked by
+    `speeds`, and not pulled anywhere.
+
     Args:
         arm: the arm; its masses count where `gravity` does.
         ports: the impedances.
@@ -97,14 +100,18 @@ class TorqueController:
         self._names: list[str] = [port.on for port in self.ports]
         self._names += ["joint_limit"] * len(limits_at) + ["joint_speed"] * len(brakes)
         self._rows = np.array(rows).reshape(-1, at.PORT)
+        self._kinds = self._rows[: len(self.ports), at.KIND].copy()
+        # A port without a target is a brake that begins at no speed.
+        self._rows[: len(self.ports), at.KIND] = at.JOINT_SPEED
+        self._rows[: len(self.ports), at.TARGET] = np.inf
         self._states = np.zeros((len(rows), at.STATE))
         self._bounds = np.append(_largest_torques(arm, max_torque), float(gravity))
         self._work = np.zeros((at.WORK, 7))
         self._motion = np.zeros((2, 7))
         self._family, self._weights = arm.packed.family, arm.packed.weights
         self.solution: Solution | None = None
+        self.elbow_target = np.full(3, np.nan)
         self.restart()
-        self.set_posture(_resting(arm))
 
     # Targets ----------------------------------------------------------------------------------------------------
 
@@ -175,7 +182,7 @@ class TorqueController:
         self._aim(self.arm.forward_kinematics(q).homogeneous, self._elbow_at(q), self.arm.arm_angle(q), restart)
 
     def set_elbow(self, point: ArrayLike) -> None:
-        """Aim the elbow at a point (3,), m, base frame; tip and orientation keep their targets.
+        """Aim the elbow at a point (3,), m, base frame; tip and orientation keep their targets, or have none yet.
 
         Raises:
             InvalidController: not three finite figures.
@@ -263,21 +270,16 @@ class TorqueController:
 
     def _put(self, targets: dict[float, Array]) -> None:
         """Write targets into the rows of the ports, by kind."""
-        for port, state in zip(self._rows[: len(self.ports)], self._states, strict=False):
-            target = targets.get(float(port[at.KIND]))
+        for kind, port, state in zip(self._kinds, self._rows, self._states, strict=False):
+            target = targets.get(float(kind))
             if target is not None:
+                port[at.KIND] = kind
                 port[at.TARGET : at.TARGET + target.size] = target
                 state[at.MOVED] = 1.0
 
 
 def _is_seven(values: Any) -> bool:
     return type(values) is np.ndarray and values.dtype.char == "d" and values.shape == (7,)
-
-
-def _resting(arm: Arm) -> Array:
-    """The middle of the joint ranges; zero where there is none."""
-    bounded = np.isfinite(arm.lower) & np.isfinite(arm.upper)
-    return np.where(bounded, 0.5 * (np.where(bounded, arm.lower, 0.0) + np.where(bounded, arm.upper, 0.0)), 0.0)
 
 
 def _one_or_none(value: Any, kind: type[Usual], what: str) -> Usual | None:

@@ -3,7 +3,7 @@
 Rules of this folder. Functions take and return floats, integers and tuples of floats. Arrays appear as the packed limb
 `P` (read only, laid out in `layout.limb`), as what the caller gave, as outputs that the caller allocated, and as work
 space that one call allocates for itself; no inner loop allocates. No explicit signatures, nothing but `math`. Nothing
-here imports from the rest of the package, and the rest imports `entries` and `layout` alone.
+here imports from the rest of the package but an error of `errors`, and the rest imports `entries` and `layout` alone.
 
 Names of arguments, here and in all rooms: `P` a packed limb; `family` four of them; `place_` what all configurations of
 a pose share; `R`, `p` rotation and position of the wanted tip pose; `psi` an arm angle, `t` the unit direction from

@@ -29,10 +29,10 @@ if BY_NUMBA:
     try:
         from numba import njit, types
     except ImportError as error:
-        raise ImportError(
-            f"{native.refused() or 'srs_ik has no compiled kernels here'}, and no Numba to compile them: pip install "
-            "'srs-ik[jit]'"
-        ) from error
+        from srs_ik.errors import MissingExtra
+
+        reason = native.refused() or "srs_ik has no compiled kernels here"
+        raise MissingExtra("jit", f"{reason}, and no Numba to compile them, which") from error
 
     if native.refused():
         warnings.warn(f"{native.refused()}; until then Numba compiles what is called", RuntimeWarning, stacklevel=1)

@@ -134,7 +134,13 @@ class Plant:
         """
         self.data.ctrl[:] = torques(torque)
         begun = self.data.time
-        self._mujoco.mj_step(self.model, self.data)
+        # The second half of a step, then the first half of the next one: what MuJoCo derives of a state (energies,
+        # mass matrix, where the links are) belongs to q and v as they are now, and not to those before the step.
+        if self.model.opt.integrator == self._mujoco.mjtIntegrator.mjINT_RK4:
+            self._mujoco.mj_step(self.model, self.data)
+        else:
+            self._mujoco.mj_step2(self.model, self.data)
+        self._mujoco.mj_step1(self.model, self.data)
         for what in self._bad:
             if self._warned[what]:
                 raise InvalidController(
@@ -177,7 +183,7 @@ class Plant:
 
     @property
     def mass_matrix(self) -> Vector:
-        """(7, 7) in the joints' order, kg m^2, column by column by MuJoCo's product."""
+        """(7, 7) at `q`, in the joints' order, kg m^2, column by column by MuJoCo's product."""
         columns, out = np.zeros((7, 7)), np.zeros(self.model.nv)
         for k, index in enumerate(self._at):
             one = np.zeros(self.model.nv)
@@ -188,16 +194,17 @@ class Plant:
 
     @property
     def bias(self) -> Vector:
-        """(7,) torques of gravity, Coriolis and centrifugal forces, N m."""
+        """(7,) torques of gravity, Coriolis and centrifugal forces at `q` and `v`, N m."""
         return np.array(self.data.qfrc_bias[self._at])
 
     @property
     def energy(self) -> tuple[float, float]:
-        """Potential and kinetic energy, J."""
+        """Potential and kinetic energy at `q` and `v`, J."""
         return float(self.data.energy[0]), float(self.data.energy[1])
 
     def contact_force(self) -> Vector:
-        """(3,) sum of what the world does to the arm, N, base axes."""
+        """(3,) sum of what the world does to the arm at `q` and `v` under the last torques, N, base axes."""
+        self._mujoco.mj_forwardSkip(self.model, self.data, self._mujoco.mjtStage.mjSTAGE_VEL, 1)
         total, one = np.zeros(3), np.zeros(6)
         for k in range(self.data.ncon):
             contact = self.data.contact[k]

@@ -31,10 +31,10 @@ class Record:
         v: (n, 7) joint speeds, rad/s.
         torque: (n, 7) what the controller asked for when the sample was taken, N m.
         weight: (n, 7) the part of it that held the arm's weight, N m; zero for a controller that does not tell.
-        potential: (n,) energy of gravity, J.
-        kinetic: (n,) J.
+        potential: (n,) energy of gravity at `q`, J.
+        kinetic: (n,) at `q` and `v`, J.
         stored: (n,) energy of the controller's profiles, J; zero for a controller that has none.
-        contact: (n, 3) force of the world on the arm, N, base axes.
+        contact: (n, 3) force of the world on the arm at `q` and `v`, under the torques until then, N, base axes.
         world: what stood around it.
 
     Raises:
