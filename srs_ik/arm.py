@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Self
 
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.collision.figures import refuse_margin
 from srs_ik.collision.owner import BodyOwner, BodyPlan
-from srs_ik.errors import InvalidConfiguration, NotAnSrsLimb
+from srs_ik.errors import NotAnSrsLimb
 from srs_ik.inputs.numbers import as_flag
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_gravity, as_rigid_matrix
 from srs_ik.kernels.entries import kinematics as entries
@@ -186,7 +187,7 @@ class Arm(BodyOwner):
             seed: (7,) for all, or (N, 7), rad.
             branch: 0 to 7 for all; any if not given.
             all_branches: give all 8 branches at the arm angle (which is then required) as (N, 8) arrays; those that are
-                no solution say so in their status. It goes with neither seed nor branch.
+                no solution say so in their status. Seed and branch choose nothing then, and are warned of.
             respect_limits: whether q has to keep the joint limits.
             threads: at most so many; all processors if not given.
             free_axis: as for `solve`, for all.
@@ -196,14 +197,15 @@ class Arm(BodyOwner):
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
             InvalidConfiguration: seed, arm angle, branch or threads are malformed, or all branches are asked for
-                without an arm angle, or with a seed or a branch.
+                without an arm angle.
             InvalidTask: no free axis, or one beside what it does not go with.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
         respect, every = as_flag(respect_limits, "respect_limits"), as_flag(all_branches, "all_branches")
         if every and (seed is not None or branch is not None):
-            raise InvalidConfiguration("all_branches gives every branch: it goes with neither seed nor branch")
+            words = "all_branches=True gives every branch: seed and branch choose nothing"
+            warnings.warn(words, UserWarning, stacklevel=2)
         if free_axis is not None:
             from srs_ik.solve import freedom
 

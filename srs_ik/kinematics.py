@@ -46,11 +46,10 @@ class ChainKinematics(Fixed):
         velocity_limit: (7,) rad/s; inf where the description gives none.
         effort_limit: (7,) N m; inf where the description gives none.
         model: `pinocchio.Model` of the 7 joints.
-        locked: where other joints of the robot stand that were not locked at zero, by name, rad or m.
     """
 
     _fixed = frozenset(
-        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "model", "locked")
+        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "model")
     )
 
     def __init__(self, chain: Chain, name: str) -> None:
@@ -63,10 +62,15 @@ class ChainKinematics(Fixed):
         self.velocity_limit = chain.velocity_limit
         self.effort_limit = chain.effort_limit
         self.model = chain.model
-        self.locked = chain.locked
+        self._locked = chain.locked
         self._between = chain.between
         self._base_frame = chain.base_id
         self._tip_frame = chain.tip_id
+
+    @property
+    def locked(self) -> dict[str, float]:
+        """Where other joints of the robot stand that were not locked at zero, by name, rad or m."""
+        return dict(self._locked)
 
     def configuration(self, q: ArrayLike, model: Any = None, others: ArrayLike | None = None) -> Array:
         """Pinocchio's configuration (model.nq,) of 7 joint angles: a continuous joint is its cosine and sine there.
@@ -97,7 +101,7 @@ class ChainKinematics(Fixed):
         """A configuration of a whole robot that its caller may write into."""
         known = {name: model.joints[k] for k, name in enumerate(model.names)}
         if others is None:
-            return configuration_of(model, {name: x for name, x in self.locked.items() if name in known})
+            return configuration_of(model, {name: x for name, x in self._locked.items() if name in known})
         whole = _finite(others, model)
         for name, at in self._between.items():
             joint = known.get(name)

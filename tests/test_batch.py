@@ -205,6 +205,15 @@ def test_batches_index_into_solutions():
     assert set(batch.status.ravel().tolist()) <= {int(s) for s in Status}
 
 
+def test_what_chooses_nothing_beside_all_branches_is_told():
+    iiwa = arms.load("iiwa14")
+    poses = [iiwa.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])]
+    every = iiwa.solve_batch(poses, 0.1, all_branches=True)
+    for option in ({"seed": np.zeros(7)}, {"branch": 2}):
+        with pytest.warns(UserWarning, match="seed and branch choose nothing"):
+            assert_same(iiwa.solve_batch(poses, 0.1, all_branches=True, **option), every)
+
+
 def test_a_bad_pose_is_named():
     arm = arms.load("iiwa14")
     _, poses = poses_of("iiwa14")
@@ -232,8 +241,6 @@ def test_a_bad_pose_is_named():
         ({"branch": -1}, InvalidConfiguration),
         ({"branch": 1.0}, InvalidConfiguration),
         ({"all_branches": True}, InvalidConfiguration),
-        ({"all_branches": True, "arm_angle": 0.1, "branch": 2}, InvalidConfiguration),
-        ({"all_branches": True, "arm_angle": 0.1, "seed": np.zeros(7)}, InvalidConfiguration),
         ({"threads": 0}, SrsIkError),
         ({"threads": 1.5}, SrsIkError),
         ({"threads": True}, SrsIkError),

@@ -1,6 +1,7 @@
 """Where descriptions come from: packages, xacro, SRDF, MJCF, and which of several limbs is meant."""
 
 import re
+import subprocess
 import sys
 import warnings
 from pathlib import Path
@@ -124,6 +125,10 @@ def test_an_argument_that_a_xacro_file_makes_no_use_of_is_told(package):
     with pytest.warns(UserWarning, match=said):
         arm = srs_ik.load(path, xacro_args={"raech": "0.5"})
     assert arm.limb.upper_arm == pytest.approx(0.3)
+    # It is printed, though what xacro itself prints is not.
+    code = f"import srs_ik; srs_ik.load({str(path)!r}, xacro_args={{'raech': '0.5'}})"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stderr
+    assert "makes no use of the argument 'raech'" in printed
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         srs_ik.load(path, xacro_args={"reach": "0.5"})

@@ -94,5 +94,7 @@ def _pairs(option: str, words: list[str] | None) -> dict[str, str] | None:
         name, separator, value = word.partition(":=")
         if not separator or not name:
             raise WrongInput(f"{option} takes NAME:=VALUE, not {word!r}")
+        if name in pairs:
+            raise WrongInput(f"{option} gives {name} twice")
         pairs[name] = value
     return pairs or None

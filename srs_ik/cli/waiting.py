@@ -8,7 +8,6 @@ import threading
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from importlib.util import find_spec
 from types import FrameType
 from typing import Any, TypeVar
 
@@ -36,9 +35,12 @@ def announce_compilation() -> None:
 
     Where the kernels were compiled when the package was built, nothing is; nor without Numba.
     """
-    if not sys.stderr.isatty() or all_compiled() or find_spec("numba") is None:
+    if not sys.stderr.isatty() or all_compiled():
         return
-    from numba.core import event
+    try:
+        from numba.core import event
+    except ImportError:
+        return
 
     class Announcement(event.Listener):  # type: ignore[misc]
         said = False

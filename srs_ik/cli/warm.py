@@ -27,6 +27,9 @@ def warm() -> None:
     if all_compiled():
         typer.echo(f"Nothing to do: kernels are {at_work()}.")
         return
+    # Without Numba, this is the error, and not one of each process.
+    import srs_ik.arm  # noqa: F401
+
     begin = time.monotonic()
     with Progress(console=Console(stderr=True)) as bar, ThreadPoolExecutor(len(ROBOTS)) as pool:
         tasks = [bar.add_task(f"kernels for robots like {robot}", total=35) for robot in ROBOTS]

@@ -125,7 +125,10 @@ def load(
         clause = explained(found.reason, chain.joint_names, misses_mm, allowed_mm)
         message = f"{description.robot.source}: {base} -> {tip} is no S-R-S limb: {clause}"
         raise NotAnSrsLimb(message, chain.joint_names, misses_mm.tolist(), allowed_mm)
-    _warn_of_oddities(description, described, found.limb, {**description.limits, **(limits or {})})
+    given = [
+        name for each in (description.limits, limits or {}) for name in each if {"lower", "upper"} & each[name].keys()
+    ]
+    _warn_of_oddities(description, described, found.limb, given)
     hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
     return Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
 

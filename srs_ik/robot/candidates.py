@@ -173,10 +173,12 @@ def with_oddities_noted(description: Description, skeleton: Skeleton, candidate:
     names = {joint: skeleton.joint_names[joint] for joint in candidate.joints}
     limits = {name: skeleton.limits(joint) for joint, name in names.items() if name not in description.limits}
     report = candidate.report
+    # Joints below the base carry the arm about, and do not change it.
+    between = [skeleton.joint_names[k] for k in skeleton.joints_between(report.base, report.tip) if k not in names]
     said = [
         *odd_limits(limits),
         *odd_size(report.limb),
-        *out_of_range(description.robot.model, report.locked, description.locked),
+        *out_of_range(description.robot.model, between, description.locked),
     ]
     return replace(report, note="; ".join([report.note] * bool(report.note) + said))
 

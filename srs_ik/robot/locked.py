@@ -13,7 +13,7 @@ from srs_ik.inputs.numbers import real_number
 from srs_ik.robot.limb import Vector
 from srs_ik.robot.skeleton import is_prismatic, is_revolute, limits_of
 
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 """How far beyond a limit, rad or m, a position may be that somebody has typed from it."""
 
 
@@ -47,13 +47,15 @@ def _position(model: Any, name: Any, value: Any) -> float:
         hint = did_you_mean(name, names) if isinstance(name, str) else ""
         raise InvalidRobot(f"there is no joint {quoted(name)} to lock{hint}; the joints are {listed(names)}")
     joint = model.joints[model.getJointId(name)]
+    if joint.shortname() == "JointModelMimic":
+        raise InvalidRobot(f"joint {name!r} follows another joint of the model, and is where that one has it")
     if not (is_revolute(joint) or is_prismatic(joint)):
         raise InvalidRobot(f"joint {name!r} neither turns about one axis nor slides along one: it has no position")
     position = real_number(value)
     if not np.isfinite(position):
         raise InvalidRobot(f"joint {name!r} is locked at a finite number, rad or m, not at {quoted(value)}")
     lower, upper = limits_of(model, joint)
-    if not lower - _ROUNDING <= position <= upper + _ROUNDING:
+    if not lower - ROUNDING <= position <= upper + ROUNDING:
         raise InvalidRobot(f"joint {name!r} goes from {lower:g} to {upper:g} and cannot be locked at {position:g}")
     return position
 

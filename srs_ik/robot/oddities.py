@@ -8,6 +8,7 @@ from typing import Any
 
 from srs_ik.errors import listed
 from srs_ik.robot.limb import SrsLimb
+from srs_ik.robot.locked import ROUNDING
 from srs_ik.robot.skeleton import limits_of
 
 _WIDEST, _LARGEST = 16.0 * 2.0 * math.pi, 720.0
@@ -47,5 +48,9 @@ def odd_size(limb: SrsLimb | None) -> list[str]:
 def out_of_range(model: Any, joints: Iterable[str], locked: Mapping[str, float]) -> list[str]:
     """That joints of a model are locked where they cannot be: at zero, as nobody says where; at most one clause."""
     ranges = {name: limits_of(model, model.joints[model.getJointId(name)]) for name in joints if name not in locked}
-    wrong = [f"{name} ({lower:g} to {upper:g})" for name, (lower, upper) in ranges.items() if not lower <= 0.0 <= upper]
-    return [f"locked at 0, where it cannot be: {listed(wrong)}; locked= says where it is"] if wrong else []
+    wrong = [
+        f"{name} ({lower:g} to {upper:g})"
+        for name, (lower, upper) in ranges.items()
+        if not lower - ROUNDING <= 0.0 <= upper + ROUNDING
+    ]
+    return [f"locked at 0, where it cannot be: {listed(wrong)}; say where it is, by locked= or --lock"] if wrong else []

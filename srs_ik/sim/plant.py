@@ -49,7 +49,8 @@ class Plant:
 
     Attributes:
         model: the ``mujoco.MjModel``.
-        data: its ``mujoco.MjData``.
+        data: its ``mujoco.MjData``. After a change of either by hand, ``mujoco.mj_forward(model, data)`` has to be
+            called before the next step, which begins with what was derived of the state.
         source: "urdf" or "pinocchio", where the bodies were read from.
         damping: (7,) N m s/rad.
         friction: (7,) N m.

@@ -62,11 +62,12 @@ def expand(path: Path, label: str, arguments: Mapping[str, str], packages: Mappi
         if not document.getElementsByTagName("link"):
             reason = "it has no <link> of its own; if it only defines macros, take the file that uses them"
             raise InvalidRobot(f"{label} expands to nothing: {reason}", label)
-        for name in arguments:
-            if name not in given.asked:
-                hint = did_you_mean(name, sorted(given.asked))
-                warnings.warn(f"{label} makes no use of the argument {quoted(name)}{hint}", UserWarning, stacklevel=2)
-        return str(document.toxml())
+    # Outside of what keeps the expansion from printing: a warning is printed, too.
+    for name in arguments:
+        if name not in given.asked:
+            hint = did_you_mean(name, sorted(given.asked))
+            warnings.warn(f"{label} makes no use of the argument {quoted(name)}{hint}", UserWarning, stacklevel=2)
+    return str(document.toxml())
 
 
 class _Asked(dict[str, str]):
