@@ -108,7 +108,8 @@ WITHOUT_KERNELS = "import sys; sys.modules['numba'] = None\n"
 @pytest.mark.parametrize("words", ["solve iiwa14 --xyz .5 .1 .6 --rpy 0 1.57 0", "warm"])
 def test_without_kernels_and_numba_the_command_line_names_what_is_missing(words, terminal):
     """One line and exit status 2: 1 would say that the pose has no solution."""
-    program = f"sys.argv = {['srs-ik', *words.split()]!r}\nsys.stderr.isatty = lambda: {terminal}\nfrom srs_ik.cli import main\nmain()"
+    words = ["srs-ik", *words.split()]
+    program = f"sys.argv = {words!r}\nsys.stderr.isatty = lambda: {terminal}\nfrom srs_ik.cli import main\nmain()"
     done = without_kernels(program)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("srs-ik: srs_ik has no compiled kernels here, and no Numba to compile them")
