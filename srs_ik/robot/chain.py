@@ -12,7 +12,7 @@ import pinocchio as pin
 from srs_ik.errors import InvalidRobot, NotAnSrsLimb
 from srs_ik.robot.limb import ReadOnlyArrays, Vector
 from srs_ik.robot.locked import configuration_of
-from srs_ik.robot.skeleton import Skeleton
+from srs_ik.robot.skeleton import Skeleton, frame_of
 
 _UNLIMITED = 1e6
 """A limit of this size is a way to say that there is none; Pinocchio's is the largest number, some files have 1e9."""
@@ -92,9 +92,10 @@ def build_chain(
 
 def _between(model: Any, joints: Sequence[int], base: str, tip: str) -> list[int]:
     """The other joints that lie between two frames."""
-    whole = Skeleton(model)
-    ways = whole.joints_between(base, tip) + whole.joints_between(tip, base)
-    return [joint for joint in ways if joint not in joints]
+    under_base, under_tip = (
+        set(model.supports[model.frames[frame_of(model, name)].parentJoint]) for name in (base, tip)
+    )
+    return sorted((under_base ^ under_tip) - set(joints))
 
 
 def _part(joint: Any, configuration: Vector) -> tuple[float, ...]:

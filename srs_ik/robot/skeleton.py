@@ -132,10 +132,10 @@ class Skeleton:
 
     def find_frame(self, name: str) -> int:
         """Index of the frame of a name; a link is preferred to a joint or sensor of the same name."""
-        matches = [(frame.rank, k) for k, frame in enumerate(self._frames) if frame.name == name]
-        if not matches:
+        found = frame_of(self.model, name)
+        if found is None:
             raise FrameNotFound(name, self.frame_names(), robot=self.model.name)
-        return min(matches)[1]
+        return found
 
     def has_frame(self, name: str) -> bool:
         """True if `find_frame` knows a name."""
@@ -229,6 +229,12 @@ class Skeleton:
             message = f"the model {name!r} has no frame on joint {self.joint_names[joint]!r}: add one, to be its {end}"
             raise InvalidRobot(message, name)
         return self._frames[on_joint[0][1]].name
+
+
+def frame_of(model: Any, name: str) -> int | None:
+    """Index of the frame of a name in a ``pinocchio.Model``, links first; None where there is none."""
+    found = [(_FRAME_PREFERENCE.index(frame.type), k) for k, frame in enumerate(model.frames) if frame.name == name]
+    return min(found)[1] if found else None
 
 
 def is_revolute(joint: Any) -> bool:
