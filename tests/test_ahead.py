@@ -219,6 +219,13 @@ def test_machines_without_wide_registers_give_the_same_answers(installed, robot)
     same(answers_of(installed, robot, SRS_IK_TARGET=least), answers_of(installed, robot))
 
 
+def test_a_kind_of_processor_that_the_kernels_lack_is_warned_of(installed):
+    program = f"import warnings; warnings.simplefilter('error'); {TARGET}"
+    with pytest.raises(subprocess.CalledProcessError) as refused:
+        run_installed(installed, program, SRS_IK_TARGET="z80")
+    assert "RuntimeWarning: SRS_IK_TARGET=z80 changes nothing" in refused.value.stderr
+
+
 def build_of_one_room(folder: Path, program: str, **environment: str) -> None:
     """Compile the entries of kinematics into a folder, by a program that says for what."""
     program = f"""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import warnings
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
@@ -52,11 +53,16 @@ def _found() -> tuple[Any, str]:
     if asked_for("SRS_IK_JIT") or asked_for("NUMBA_DISABLE_JIT"):
         return None, ""
     try:
-        return import_module(f"{__name__}.entries"), ""
+        found = import_module(f"{__name__}.entries")
     except ModuleNotFoundError:
         return None, ""
     except ImportError as error:
         return None, f"srs_ik's compiled kernels cannot run here: {error}; {REMEDY}"
+    wanted, taken = os.environ.get("SRS_IK_TARGET", ""), found.target()
+    if wanted not in ("", taken):
+        message = f"SRS_IK_TARGET={wanted} changes nothing: there are no such kernels that run here; {taken} are at work"
+        warnings.warn(message, RuntimeWarning, stacklevel=1)
+    return found, ""
 
 
 @cache
