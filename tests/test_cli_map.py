@@ -50,6 +50,10 @@ def test_query_verify_and_estimate(folder, tmp_path):
     assert [row["reached"] for row in rows] == [1.0, 0.0]
     assert rows[0]["width"] == pytest.approx(sum(i.width for i in arm.intervals(T)), rel=1e-6)
     assert run("map", "query", folder, str(poses)).exit_code == 1
+    for words in (("--lock", "rail:=0.2"), ("--scene", str(poses)), ("--xacro-arg", "arm:=left")):
+        ignored = run("map", "query", folder, str(poses), *words)
+        assert ignored.exit_code == 2
+        assert "for the arm of --exact" in ignored.stderr
     checked = answer("map", "verify", folder, "iiwa14", "--count", "200")
     assert checked["right"]
     assert checked["cells"] == 200

@@ -76,6 +76,8 @@ def query(
     from srs_ik.cli.render import console, print_json, table
 
     refuse_onto(out, poses)
+    if exact is None and (scene is not None or any(chosen.values())):
+        raise WrongInput("--scene, --lock and xacro options are for the arm of --exact, which is not given")
     T, lines = read_poses(poses, unit_of(degrees))
 
     from srs_ik.maps.reader import open_map
