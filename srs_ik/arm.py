@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.collision.figures import refuse_margin
 from srs_ik.collision.owner import BodyOwner, BodyPlan
 from srs_ik.errors import NotAnSrsLimb
+from srs_ik.inputs.elbow import refuse_beside
 from srs_ik.inputs.numbers import as_flag
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_gravity, as_rigid_matrix
 from srs_ik.kernels.entries import kinematics as entries
@@ -21,6 +22,7 @@ from srs_ik.robot.limb import Hand, SrsLimb
 from srs_ik.robot.recognition import recognise
 from srs_ik.solve import kinematics
 from srs_ik.solve.in_limits import InLimits
+from srs_ik.solve.kinematics import Centres
 from srs_ik.solve.packed import pack_arm
 from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
 from srs_ik.system.arrays import Array
@@ -98,6 +100,7 @@ class Arm(BodyOwner):
         branch: int | None = None,
         respect_limits: bool = True,
         *,
+        elbow: ArrayLike | None = None,
         free_axis: ArrayLike | FreeAxis | str | None = None,
         scene: Scene | None = None,
         margin: float = 0.0,
@@ -114,6 +117,9 @@ class Arm(BodyOwner):
             branch: 0 to 7; any if not given. A posture on the border between two branches, the sine of a middle angle
                 from its singularity below 1e-5, counts for both where the one that is asked for has no other.
             respect_limits: whether q has to keep the joint limits.
+            elbow: where the elbow is wanted: a point (3,) in the base frame, m, such as a measured elbow, or an arm
+                angle, rad. The feasible arm angle nearest to it is taken, where the elbow is nearest to the point, and
+                of the branches there the best. It goes with neither arm_angle nor free_axis.
             free_axis: what of the rotation is free: a direction in the tip frame for the roll about it, a
                 `FreeAxis` for a cone, "any" for a position alone; errors are those that are left then. It goes with a
                 seed or without, and with neither arm angle nor branch. With a scene, the best of a sample of turns is
@@ -123,12 +129,15 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidPose: the pose is no finite rigid transform, or farther away than 1e300 m.
-            InvalidConfiguration: seed, arm angle or branch are malformed, or one of the angles beyond 1e6 rad.
+            InvalidConfiguration: seed, arm angle, elbow or branch are malformed, or one of the angles beyond 1e6 rad.
             InvalidTask: no free axis, or one beside what it does not go with.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
         respect = as_flag(respect_limits, "respect_limits")
+        if elbow is not None:
+            refuse_beside(arm_angle=arm_angle, free_axis=free_axis)
+            return self._asked(scene, margin).solve_near(pose, elbow, seed, branch, respect)
         if free_axis is not None:
             from srs_ik.solve import freedom
 
@@ -175,6 +184,7 @@ class Arm(BodyOwner):
         respect_limits: bool = True,
         threads: int | None = None,
         *,
+        elbow: ArrayLike | None = None,
         free_axis: ArrayLike | FreeAxis | str | None = None,
         scene: Scene | None = None,
         margin: float = 0.0,
@@ -190,13 +200,14 @@ class Arm(BodyOwner):
                 no solution say so in their status. Seed and branch choose nothing then, and are warned of.
             respect_limits: whether q has to keep the joint limits.
             threads: at most so many; all processors if not given.
+            elbow: as for `solve`; a point (3,) or an arm angle for all, or (N, 3) points.
             free_axis: as for `solve`, for all.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
-            InvalidConfiguration: seed, arm angle, branch or threads are malformed, or all branches are asked for
+            InvalidConfiguration: seed, arm angle, elbow, branch or threads are malformed, or all branches are asked for
                 without an arm angle.
             InvalidTask: no free axis, or one beside what it does not go with.
             InvalidScene: no `Scene`, or no margin.
@@ -206,6 +217,9 @@ class Arm(BodyOwner):
         if every and (seed is not None or branch is not None):
             words = "all_branches=True gives every branch: seed and branch choose nothing"
             warnings.warn(words, UserWarning, stacklevel=2)
+        if elbow is not None:
+            refuse_beside(arm_angle=arm_angle, free_axis=free_axis, all_branches=every)
+            return self._asked(scene, margin).solve_near_batch(poses, elbow, seed, branch, respect, threads)
         if free_axis is not None:
             from srs_ik.solve import freedom
 
@@ -290,8 +304,9 @@ class Arm(BodyOwner):
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; inf for none, where a
                 joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.1 s.
-            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, an `Objective` or
-                its name ("limit_margin" for farthest from the limits) that it follows downhill, a `Task`, whose force
+            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, a point (3,) to
+                which it comes as near as it can, in the base frame, m, such as a measured elbow, an `Objective` or its
+                name ("limit_margin" for farthest from the limits) that it follows downhill, a `Task`, whose force
                 and velocity it serves, or a `Scene`, from whose bodies it keeps away.
             smoothing: time constant of a filter that takes jitter from the target, seconds, 0 for none; if not given,
                 as long as the noise of the target asks for, which is measured: none where there is none.
@@ -565,6 +580,23 @@ class Arm(BodyOwner):
         return kinematics.jacobian_batch(self.packed, q, threads)
 
     # Redundancy -------------------------------------------------------------------------------------------------
+
+    def centres(self, q: ArrayLike) -> Centres:
+        """Where the centres of shoulder, elbow and wrist are, in the base frame, m.
+
+        The arm angle is the angle of their plane. On a near limb they are the points nearest to the joint axes that
+        should meet there.
+
+        Args:
+            q: (7,) joint angles, rad, or (N, 7).
+
+        Returns:
+            Three points (3,), or arrays of them (N, 3).
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles or N times 7, or one beyond 1e6 rad.
+        """
+        return kinematics.centres(self.packed, q)
 
     def arm_angle(self, q: ArrayLike) -> float:
         """Arm angle of a configuration, in [-pi, pi), rad: right-handed about shoulder-wrist, zero at `limb.reference`.

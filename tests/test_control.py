@@ -321,10 +321,7 @@ def test_brakes_act_beyond_their_speed_alone_and_take_energy_out():
 def bound(arm, q, axes):
     """Sum of |J'| Fmax over tip, orientation and elbow, (n, 7), each J in the axes (n, 3, 3, 3) of its port."""
     J = arm.jacobian_batch(q)
-    lever = np.empty((len(q), 3))
-    for x, point in zip(q, lever, strict=True):
-        entries.elbow_point(arm.packed.family, x, point)
-    lever -= arm.forward_kinematics_batch(q)[:, :3, 3]
+    lever = arm.centres(q).elbow - arm.forward_kinematics_batch(q)[:, :3, 3]
     of_elbow = J[:, :3] + np.cross(J[:, 3:], lever[:, :, None], axisa=1, axisb=1, axisc=1)
     of_elbow[:, :, 3:] = 0.0
     parts = enumerate(zip((J[:, :3], J[:, 3:], of_elbow), (60.0, 12.0, 40.0), strict=True))

@@ -11,7 +11,7 @@ import typer
 from srs_ik.cli import freedom
 from srs_ik.cli import objective as objectives
 from srs_ik.cli.chosen import Chosen, choosing
-from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail
+from srs_ik.cli.options import AsJson, Seven, Source, Three, WrongInput, fail, numbers
 from srs_ik.cli.pose_file import read_poses, refuse_onto
 from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
@@ -38,6 +38,9 @@ def solve(
     ] = None,
     seed: Annotated[
         Seven | None, typer.Option(metavar=JOINTS, help="Choose the posture nearest to these joint angles.")
+    ] = None,
+    elbow: Annotated[
+        Three | None, typer.Option(metavar="X Y Z", help="Bring the elbow as near to this point as can be, metres.")
     ] = None,
     branch: Annotated[int | None, typer.Option(metavar="0..7", help="Choose the posture from this branch.")] = None,
     free_axis: freedom.Axis = None,
@@ -83,6 +86,9 @@ def solve(
     if branch is not None and branch not in range(8):
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
     judged = objectives.read_objective(objective, force, velocity, twist, wrench, reference, tolerance, unit)
+    if elbow is not None and (every or judged or any(x is not None for x in (arm_angle, free_axis))):
+        raise WrongInput("--elbow goes with none of --arm-angle, --free-axis, --objective and --all")
+    point = None if elbow is None else numbers("--elbow", elbow)
     if judged is not None and (every or any(x is not None for x in (arm_angle, seed, branch))):
         raise WrongInput(
             "--objective goes with none of --arm-angle, --seed, --branch and --all: it searches all postures"
@@ -108,7 +114,9 @@ def solve(
 
     arm = load(source, **chosen)
     if file is not None:
-        solved = arm.solve_batch(poses, angle, start, branch, respect_limits=not no_limits, free_axis=free, **around)
+        solved = arm.solve_batch(
+            poses, angle, start, branch, respect_limits=not no_limits, elbow=point, free_axis=free, **around
+        )
         report(arm, solved, file, lines, out, as_json)
         return
     if pose is None:
@@ -121,7 +129,7 @@ def solve(
         if judged is not None:
             best = arm.optimise(pose, judged, respect_limits=not no_limits, **around)
         else:
-            best = arm.solve(pose, angle, start, branch, not no_limits, free_axis=free, **around)
+            best = arm.solve(pose, angle, start, branch, not no_limits, elbow=point, free_axis=free, **around)
         solutions = [best] if best else []
 
     if as_json:

@@ -256,9 +256,7 @@ class TorqueController:
         return self._work[at.WEIGHT].copy()
 
     def _elbow_at(self, q: Array) -> Array:
-        point = np.empty(3)
-        entries.elbow_point(self._family, as_bounded_joint_vector(q), point)
-        return point
+        return self.arm.centres(q).elbow
 
     def _aim(self, T: Array, elbow: Array, arm_angle: float, restart: bool) -> None:
         self.elbow_target = elbow

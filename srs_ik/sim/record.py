@@ -12,7 +12,6 @@ from srs_ik.arm import Arm
 from srs_ik.errors import InvalidController, quoted
 from srs_ik.inputs.control import positive, thing
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
-from srs_ik.kernels.entries.control import elbow_point
 from srs_ik.robot.limb import Vector
 from srs_ik.sim.world import World
 
@@ -76,10 +75,7 @@ class Record:
     @cached_property
     def elbow(self) -> Vector:
         """(n, 3) elbow centre, m."""
-        points = np.empty((len(self.q), 3))
-        for q, point in zip(self.q, points, strict=True):
-            elbow_point(self.arm.packed.family, q, point)
-        return points
+        return self.arm.centres(self.q).elbow
 
     @cached_property
     def speed(self) -> Vector:

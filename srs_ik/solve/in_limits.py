@@ -46,6 +46,18 @@ class InLimits:
         """See `Arm.solve_batch`."""
         return pose_solver.solve_batch(self.packed, poses, *question)
 
+    def solve_near(self, pose: PoseLike, *question: Any) -> Solution:
+        """See `Arm.solve`, with a wanted elbow."""
+        from srs_ik.solve import elbow
+
+        return elbow.solve(self.packed, pose, *question)
+
+    def solve_near_batch(self, poses: Any, *question: Any) -> BatchSolution:
+        """See `Arm.solve_batch`, with wanted elbows."""
+        from srs_ik.solve import elbow
+
+        return elbow.solve_batch(self.packed, poses, *question)
+
     def solve_free(self, pose: PoseLike, *question: Any) -> Solution:
         """See `Arm.solve`, with a free axis."""
         from srs_ik.solve import freedom

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.inputs.poses import as_joint_vectors
-from srs_ik.kernels.entries.kinematics import forward_range, jacobian_range
+from srs_ik.inputs.poses import as_bounded_joint_vector, as_joint_vectors
+from srs_ik.kernels.entries.kinematics import centres_range, forward_range, jacobian_range
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
@@ -27,3 +27,20 @@ def jacobian_batch(packed: PackedArm, q: Any, threads: int | None) -> Array:
     jacobians = np.empty((len(angles), 6, 7))
     run_in_threads(lambda first, last: jacobian_range(family, angles, first, last, jacobians), len(angles), threads)
     return jacobians
+
+
+class Centres(NamedTuple):
+    """The centres of an arm in the base frame, m: (3,) each, or (N, 3)."""
+
+    shoulder: Array
+    elbow: Array
+    wrist: Array
+
+
+def centres(packed: PackedArm, q: Any) -> Centres:
+    """See `Arm.centres`."""
+    many = np.ndim(q) > 1
+    angles = as_joint_vectors(q) if many else as_bounded_joint_vector(q)[None]
+    points = np.empty((3, len(angles), 3))
+    centres_range(packed.family, angles, 0, len(angles), points)
+    return Centres(*(points if many else points[:, 0]))

@@ -5,7 +5,6 @@ import math
 from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.gravity import hold
 from srs_ik.kernels.chain.kinematics import joint_lines
-from srs_ik.kernels.chain.newton import elbow_position
 from srs_ik.kernels.control.impedance import along_axis, response
 from srs_ik.kernels.control.ports import Motion, act
 from srs_ik.kernels.control.profile import energy, force
@@ -41,14 +40,6 @@ def tick(family, weights, ports, states, bounds, motion, work):
         largest = bounds[MAX_TORQUE + joint]
         work[TORQUE, joint] = max(-largest, min(largest, work[TORQUE, joint] + work[WEIGHT, joint]))
     return True
-
-
-@entry
-def elbow_point(family, q, out):
-    """Write where the elbow centre is at q into out (3,)."""
-    point = elbow_position(row(family, LIMITED), read7(q))
-    for k in range(3):
-        out[k] = point[k]
 
 
 @entry

@@ -4,11 +4,12 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.pointers import read7, row
+from srs_ik.kernels.algebra.vectors import add, load3
 from srs_ik.kernels.chain.arm_angle_rates import gradient, tangent
 from srs_ik.kernels.chain.kinematics import forward_kinematics, tip_lines
-from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.chain.newton import arm_angle, elbow_position
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.limb import LIMITED, SHOULDER_CENTRE
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist, target_frame
 
@@ -56,3 +57,17 @@ def configuration_arm_angle(family, q):
     R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
     _, t, h0 = target_frame(P, shoulder_to_wrist(P, R, p))
     return arm_angle(P, q, t, h0), branch_of(P, q)
+
+
+@entry
+def centres_range(family, q, first, last, out):
+    """Write where shoulder, elbow and wrist centre of the same configurations are into out (3, N, 3)."""
+    P = row(family, LIMITED)
+    shoulder = load3(P, SHOULDER_CENTRE)
+    for i in range(first, last):
+        x, y, z, p = forward_kinematics(P, read7(row(q, i)))
+        R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+        wrist = add(shoulder, shoulder_to_wrist(P, R, p))
+        elbow = elbow_position(P, read7(row(q, i)))
+        for k in range(3):
+            out[0, i, k], out[1, i, k], out[2, i, k] = shoulder[k], elbow[k], wrist[k]

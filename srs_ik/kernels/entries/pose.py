@@ -6,6 +6,7 @@ A solving function writes rows laid out as `ROW_*` in `layout`; statuses are num
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import read7, row, scratch
+from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry
@@ -22,6 +23,7 @@ from srs_ik.kernels.near.led import lead_row
 from srs_ik.kernels.near.on_curves import no_curves
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.any_bend import best_of
+from srs_ik.kernels.pose.elbow import angle_towards, solve_row_near
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.self_motion import self_motion_rows
 from srs_ik.kernels.pose.solve import all_branches, own, own_goal, solve_row, solve_row_at
@@ -64,6 +66,31 @@ def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, out
     for i in range(first, last):
         goal = own_goal(seeds, i, respect)
         verdicts[i] = solve_row_at(family, row(poses, i), own(psis, i), branch, goal, J, A, row(out, i))
+
+
+@entry
+def angles_towards(family, poses, points, out):
+    """Write the arm angles of the elbows of all poses that are nearest to a point, one for all or one a pose."""
+    P = row(family, LIMITED)
+    for i in range(poses.shape[0]):
+        place_ = target_of(P, row(poses, i)).place
+        out[i] = angle_towards(P, place_, load3(row(points, i if points.shape[0] > 1 else 0), 0))
+
+
+@entry
+def solve_near(family, T, psi, branch, seed, seeded, respect, out):
+    """`solve_row_near` of one pose; `seeded` tells whether the seed counts."""
+    goal = Goal(seeded, read7(row(seed, 0)), respect)
+    return solve_row_near(family, row(T, 0), psi, branch, goal, scratch(6, 7), scratch(16, 9), row(out, 0))
+
+
+@entry
+def solve_near_range(family, poses, first, last, psis, branch, seeds, respect, out, verdicts):
+    """`solve_near` for the poses first to last - 1; psis hold one for all, or one a pose, and seeds may hold none."""
+    J, A = scratch(6, 7), scratch(16, 9)
+    for i in range(first, last):
+        goal = own_goal(seeds, i, respect)
+        verdicts[i] = solve_row_near(family, row(poses, i), own(psis, i), branch, goal, J, A, row(out, i))
 
 
 @entry

@@ -51,6 +51,9 @@ pose.solve_at(family, T, psi, branch, seed, seeded, respect, out: float[ROW]&) -
 pose.lead(family, T, psi, branch, before: float[7], seed, seeded, respect, out: float[ROW]&) -> bool
 pose.solve_range(family, poses, first, last, branch, seeds, respect, out: float[n, ROW]&, verdicts)
 pose.solve_at_range(family, poses, first, last, psis, branch, seeds, respect, out: float[n, ROW]&, verdicts)
+pose.angles_towards(family, poses, points: float[k, 3], out: float[n]&)
+pose.solve_near(family, T, psi, branch, seed, seeded, respect, out: float[ROW]&) -> int
+pose.solve_near_range(family, poses, first, last, psis, branch, seeds, respect, out: float[n, ROW]&, verdicts)
 pose.solve_all(family, T, psi, respect, out: float[8, ROW]&) -> int
 pose.solve_all_range(family, poses, first, last, psis, respect, out: float[r, ROW]&, verdicts)
 pose.solve_intervals(family, T, respect, out: float[MOST_INTERVALS, ROW]&) -> int
@@ -67,6 +70,7 @@ kinematics.jacobian_range(family, q: float[n, 7], first, last, out: float[n, 6, 
 kinematics.arm_angle_jacobian(family, q: float[7], g: float[7]&) -> bool
 kinematics.self_motion_tangent(family, q: float[7], out: float[7]&) -> bool
 kinematics.configuration_arm_angle(family, q: float[7]) -> (float, int)
+kinematics.centres_range(family, q: float[n, 7], first, last, out: float[3, n, 3]&)
 optimum.optimise(family, T, kind: int, second: int, tolerance: float, resolution: float, params: float[PARAMS],
     respect, solution: float[ROW]&, out: float[OUT]&) -> int
 optimum.sample(family, T, respect, runs: float[MOST_RUNS, RUN]&, rows: float[n, SAMPLE]&) -> (int, int, int)
@@ -136,7 +140,6 @@ collision.march_by_solids(family, T, found, bodies, groups, pairs, slack, local,
     shaped, of_body, couples, outer, out: float[o, 3]&) -> int
 control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],
     motion: float[2, 7], work: float[w, 7]&) -> bool
-control.elbow_point(family, q: float[7], out: float[3]&)
 control.profile_values(port, distances: float[n], forces: float[n]&, energies: float[n]&)
 control.converging_force(port, peak: float, sizes: float[n], forces: float[n]&)
 control.free_response(port, mass: float, start: float, dt: float, positions: float[n]&)

@@ -60,7 +60,9 @@ def _found() -> tuple[Any, str]:
         return None, f"srs_ik's compiled kernels cannot run here: {error}; {REMEDY}"
     wanted, taken = os.environ.get("SRS_IK_TARGET", ""), found.target()
     if wanted not in ("", taken):
-        message = f"SRS_IK_TARGET={wanted} changes nothing: there are no such kernels that run here; {taken} are at work"
+        message = (
+            f"SRS_IK_TARGET={wanted} changes nothing: there are no such kernels that run here; {taken} are at work"
+        )
         warnings.warn(message, RuntimeWarning, stacklevel=1)
     return found, ""
 

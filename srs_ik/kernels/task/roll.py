@@ -19,6 +19,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
 from srs_ik.kernels.limb.limits import turn_to_middle, turn_to_seed, violation
 from srs_ik.kernels.limb.spherical import angles, columns_at, middle_angle
 from srs_ik.kernels.limb.triangle import elbow_at, elbow_side, frame_at, shoulder_columns, side_frames, turned_frame
+from srs_ik.kernels.pose.elbow import SMALLEST_NUDGE, nearest_angle
 from srs_ik.kernels.task.branch import TIE, steady_half
 from srs_ik.kernels.task.directions import MAX_CROSSINGS, wrist_crossings
 
@@ -34,9 +35,6 @@ REFINED = 1e-10
 
 EVENNESS = 1e-4
 """Weight of the joints' squared distances from their middles: it decides between rolls of the same margin."""
-
-SMALLEST_NUDGE = 1e-13
-"""First step, rad, into an interval whose end is on the wrong side of a limit by rounding."""
 
 NONE = 1e12
 """Cost of a roll that does not exist."""
@@ -143,7 +141,7 @@ def search_piece(P, motion, sign, lower, upper):
 @kernel
 def keep_roll(P, motion, sign, lower, upper, seed, respect):
     """The roll of an interval nearest to 0, and how far the wrist is from a seed there, rad squared."""
-    roll, _ = between(0.0, lower, upper)
+    roll, _ = nearest_angle(0.0, lower, upper)
     q, reached = wrist_at(P, motion, roll, sign, True, seed, respect)
     total = 0.0
     for i in range(3):
@@ -198,22 +196,9 @@ def is_within(pieces, counts, psi):
     """Whether an arm angle lies in an interval of either shoulder solution."""
     for sign in range(2):
         for i in range(counts[sign]):
-            if between(psi, pieces[sign, i, 0], pieces[sign, i, 1])[1] == 0.0:
+            if nearest_angle(psi, pieces[sign, i, 0], pieces[sign, i, 1])[1] == 0.0:
                 return True
     return False
-
-
-@kernel
-def between(psi, lower, upper):
-    """The arm angle of an interval nearest to psi, and how far it is."""
-    turn = 2.0 * math.pi
-    ahead = (psi - lower) - turn * math.floor((psi - lower) / turn)
-    width = upper - lower
-    if ahead <= width:
-        return lower + ahead, 0.0
-    if ahead - width <= turn - ahead:
-        return upper, ahead - width
-    return lower, turn - ahead
 
 
 @kernel
@@ -249,7 +234,7 @@ def nearest_gap(P, place_, elbow, psi, axis, farthest):
         best, lower, upper, least = -1, 0.0, 0.0, farthest
         for i in range(n):
             end = psis[i + 1] if i + 1 < n else psis[0] + 2.0 * math.pi
-            _, away = between(psi, psis[i], end)
+            _, away = nearest_angle(psi, psis[i], end)
             if not tried[i] and end > psis[i] and away < least:
                 best, lower, upper, least = i, psis[i], end, away
         if best < 0:
@@ -271,8 +256,8 @@ def nearest_roll(P, place_, psi, axis, seeded, seed):
         a, b = nearest_gap(P, place_, elbow, psi, axis, least)
         if a <= b:
             lower, upper = a, b
-            least = between(psi, a, b)[1]
-    nearest, _ = between(psi, lower, upper)
+            least = nearest_angle(psi, a, b)[1]
+    nearest, _ = nearest_angle(psi, lower, upper)
     inward = 1.0 if nearest - lower < upper - nearest else -1.0
     nudge = 0.0
     while nudge <= upper - lower:

@@ -26,6 +26,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.limb.triangle import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.near.at_angle import may_reach, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
+from srs_ik.kernels.pose.elbow import SMALLEST_NUDGE, take_nearest
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.search import search_exact
 from srs_ik.kernels.task.branch import steady_branch
@@ -39,7 +40,7 @@ from srs_ik.kernels.task.posture import (
     tip_axes,
     write_posture,
 )
-from srs_ik.kernels.task.roll import SMALLEST_NUDGE, best_roll, between
+from srs_ik.kernels.task.roll import best_roll
 
 OFF_AXIS = 1e-9
 """A wrist this far from the line through the tip about which the hand rolls, metres, moves with the roll."""
@@ -141,14 +142,7 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
     else:
         n = all_intervals(family, target, respect, J, A, found)
     for _ in range(n):
-        best, nearest = -1, 0.0
-        least = 4.0 * math.pi
-        for i in range(n):
-            x, far = between(psi, found[i, 1], found[i, 2])
-            if found[i, 0] >= 0.0 and far < least:
-                best, nearest, least = i, x, far
-        lower = found[best, 1]
-        upper = found[best, 2]
+        nearest, lower, upper = take_nearest(found, n, -1, psi)
         P = row(family, LOOSE if upper - lower < NARROW else LIMITED)
         inward = 1.0 if nearest - lower < upper - nearest else -1.0
         nudge = 0.0
@@ -157,7 +151,6 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
             if cost < OUTSIDE:
                 return q, b, cost
             nudge = max(SMALLEST_NUDGE, 8.0 * nudge)
-        found[best, 0] = -1.0
     P = row(family, LIMITED)
     if not is_near:
         return search_exact(family, target, -1, goal)

@@ -94,6 +94,24 @@ class InScene:
         """See `Arm.solve_batch`."""
         return pose_solver.solve_batch(self.around, poses, *question)
 
+    def solve_near(
+        self, pose: PoseLike, elbow: Any, seed: ArrayLike | None, branch: int | None, respect: bool
+    ) -> Solution:
+        """See `Arm.solve`, with a wanted elbow."""
+        from srs_ik.solve.elbow import wanted_angles
+        from srs_ik.solve.in_scene.elbow import solve_near
+
+        T = as_matrix(pose)
+        near = None if seed is None else as_seed(seed, self.packed.lower, self.packed.upper)
+        psi = float(wanted_angles(self.packed, T[None], elbow)[0])
+        return solve_near(self.around, T, psi, near, as_branch(branch), respect)
+
+    def solve_near_batch(self, poses: Any, *question: Any) -> BatchSolution:
+        """See `Arm.solve_batch`, with wanted elbows."""
+        from srs_ik.solve.in_scene.elbow import solve_near_batch
+
+        return solve_near_batch(self.around, poses, *question)
+
     def solve_free(self, pose: PoseLike, free_axis: Any, seed: ArrayLike | None, respect: bool) -> Solution:
         """See `Arm.solve`, with a free axis."""
         from srs_ik.solve.in_scene import freedom

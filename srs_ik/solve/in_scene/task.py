@@ -17,9 +17,9 @@ from srs_ik.inputs.poses import as_seeds, seed_of
 from srs_ik.kernels.layout import task as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.solve import rolled_task
-from srs_ik.solve.in_scene.pose import best, solve
-from srs_ik.solve.in_scene.surroundings import narrowed
-from srs_ik.solve.solution import Collision, Solution, Status
+from srs_ik.solve.in_scene.elbow import nearest_free
+from srs_ik.solve.in_scene.pose import solve
+from srs_ik.solve.solution import Collision, Status
 from srs_ik.solve.task import BatchTaskSolution, TaskSolution, poses_of
 from srs_ik.system.arrays import Array
 
@@ -33,9 +33,6 @@ ROLLS = 24
 
 _OFF_AXIS = 1e-9
 """A wrist this far from the line about which the hand rolls, m, moves with the roll."""
-
-_INSIDE = 1e-9
-"""An arm angle this far inside the ends of its interval, rad, is safe from their rounding."""
 
 
 def solve_task(
@@ -66,10 +63,12 @@ def _keep_clear(around: Surroundings, row: Array, near: Array | None, respect: b
         return None
     psi = float(row[at.TASK_POSTURE + at.ARM_ANGLE])
     T = poses_of(row)
-    found = _nearest(around, T, psi, near, respect)
+    found = nearest_free(around, T, psi, near, respect)
     if found is None and rolls:
         direction = row[at.TASK_POSTURE + at.DIRECTION : at.TASK_POSTURE + at.DIRECTION + 3]
-        others = [(turned, _nearest(around, turned, psi, near, respect)) for turned in _rolled(around, T, direction)]
+        others = [
+            (turned, nearest_free(around, turned, psi, near, respect)) for turned in _rolled(around, T, direction)
+        ]
         met = [(turned, other) for turned, other in others if other is not None]
         if met:
             turned, found = min(met, key=lambda each: each[1][0])
@@ -78,28 +77,6 @@ def _keep_clear(around: Surroundings, row: Array, near: Array | None, respect: b
     row[:ROW] = answer._row
     row[at.ANGLE_LOST] = abs(math.remainder(answer.arm_angle - psi, 2.0 * math.pi)) if found is None else found[0]
     return answer.collision
-
-
-def _nearest(
-    around: Surroundings, T: Array, psi: float, near: Array | None, respect: bool
-) -> tuple[float, Solution] | None:
-    """How far the nearest free arm angle is from a wanted one, rad, and its best posture; None where there is none."""
-    free = around.all_free(T, respect)
-    ends = [_beside(psi, float(lower), float(upper)) for _, lower, upper in free]
-    for lost, wanted in sorted(set(ends)):
-        answer = best(around, T, narrowed(free, wanted), wanted, near, respect)
-        if answer is not None:
-            return lost, answer
-    return None
-
-
-def _beside(psi: float, lower: float, upper: float) -> tuple[float, float]:
-    """How far the nearest angle of an interval is from another angle, rad, and that angle."""
-    if (psi - lower) % (2.0 * math.pi) <= upper - lower:
-        return 0.0, psi
-    room = min(_INSIDE, 0.25 * (upper - lower))
-    ends = (lower + room, upper - room)
-    return min((abs(math.remainder(end - psi, 2.0 * math.pi)), end) for end in ends)
 
 
 def _rolled(around: Surroundings, T: Array, direction: Array) -> list[Array]:

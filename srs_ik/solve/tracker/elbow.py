@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srs_ik.errors import InvalidTask
-from srs_ik.inputs.poses import as_arm_angle
+from srs_ik.inputs.elbow import as_elbow
 from srs_ik.inputs.task import Task
 from srs_ik.kernels.entries.kinematics import configuration_arm_angle
+from srs_ik.kernels.entries.pose import angles_towards
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.collision import WIDE_CLEARANCE
 from srs_ik.kernels.layout.objectives import PARAMS
@@ -36,7 +37,7 @@ def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Cal
 
     Raises:
         InvalidTask: no such objective, one that kernels do not compute, or more than one task.
-        InvalidConfiguration: no arm angle.
+        InvalidConfiguration: no arm angle, and no point.
         NoBodies: a scene, and no shapes of the arm are at hand.
     """
     none = np.zeros(PARAMS)
@@ -52,7 +53,10 @@ def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Cal
         return (float(elbow.kind), 0.0, elbow.packed(owner, packed.weights, True)), None
     if _is_scene(elbow):
         return (at.KEEP, 0.0, none), _Clearance(packed, owner, elbow)
-    return (at.ANGLE, as_arm_angle(elbow), none), None
+    psi, point = as_elbow(elbow)
+    if psi is None:
+        return (at.KEEP, 0.0, none), _Towards(packed, point)
+    return (at.ANGLE, psi, none), None
 
 
 def _ratio(task: Task) -> Objective:
@@ -67,6 +71,18 @@ def _is_scene(elbow: Any) -> bool:
     from srs_ik.collision.scene import Scene
 
     return isinstance(elbow, Scene)
+
+
+class _Towards:
+    """The arm angle at which the elbow is nearest to a point."""
+
+    def __init__(self, packed: PackedArm, point: Array) -> None:
+        self._packed, self._point = packed, point
+
+    def __call__(self, T: Array, q: Array) -> float:
+        psi = np.empty(1)
+        angles_towards(self._packed.family, T[None], self._point, psi)
+        return float(psi[0]) if np.isfinite(psi[0]) else configuration_arm_angle(self._packed.family, q.copy())[0]
 
 
 class _Clearance:

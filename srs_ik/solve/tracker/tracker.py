@@ -43,7 +43,7 @@ SOON = 0.05
 brings targets back no sooner, and shakes the arm."""
 
 CHOSEN_EVERY = 10
-"""Updates from one look at the bodies of a scene to the next."""
+"""Updates from one choice of an arm angle, by a point or the bodies of a scene, to the next."""
 
 ASK_AGAIN = 2000
 """Updates from one search of the whole redundancy to the next at least: that takes up to some milliseconds."""
@@ -229,7 +229,7 @@ class Tracker(Fixed):
         (kind, angle, parameters), self._choose = chosen(elbow, self._packed, self._arm)
         self._settings[at.ELBOW], self._settings[at.ANGLE_WANTED] = kind, angle
         self._settings[at.SETTINGS :] = parameters
-        self._elbow = elbow
+        self._elbow, self._just_set = elbow, True
 
     @property
     def smoothing(self) -> float | None:
@@ -315,8 +315,9 @@ class Tracker(Fixed):
 
     def _choose_elbow(self, choose: Callable[[Array, Array], float]) -> None:
         """Ask for the arm angle that suits the elbow's policy now and then; on no target, the elbow is kept."""
-        if int(self._state[at.TICK]) % CHOSEN_EVERY:
+        if int(self._state[at.TICK]) % CHOSEN_EVERY and not self._just_set:
             return
+        self._just_set = False
         on = self._state[at.ON] == 1.0
         self._settings[at.ELBOW] = at.ANGLE if on else at.KEEP
         if on:

@@ -1,0 +1,79 @@
+"""Postures that hit nothing, their elbow as near as can be to where it is wanted."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, seed_of
+from srs_ik.kernels.layout.answer import ROW
+from srs_ik.solve.elbow import wanted_angles
+from srs_ik.solve.in_scene.pose import best, solve
+from srs_ik.solve.in_scene.surroundings import chosen, narrowed
+from srs_ik.solve.solution import BatchSolution, Collision, Solution
+from srs_ik.solve.threads import run_in_threads
+from srs_ik.system.arrays import Array
+
+if TYPE_CHECKING:
+    from srs_ik.solve.in_scene.surroundings import Surroundings
+
+_INSIDE = 1e-9
+"""An arm angle this far inside the ends of its interval, rad, is safe from their rounding."""
+
+
+def nearest_free(
+    around: Surroundings, T: Array, psi: float, near: Array | None, respect: bool, branch: int = -1
+) -> tuple[float, Solution] | None:
+    """How far the nearest free arm angle is from a wanted one, rad, and its best posture; None where there is none."""
+    free = chosen(around.all_free(T, respect), branch, None)
+    ends = [_beside(psi, float(lower), float(upper)) for _, lower, upper in free]
+    for lost, wanted in sorted(set(ends)):
+        answer = best(around, T, narrowed(free, wanted), wanted, near, respect)
+        if answer is not None:
+            return lost, answer
+    return None
+
+
+def _beside(psi: float, lower: float, upper: float) -> tuple[float, float]:
+    """How far the nearest angle of an interval is from another angle, rad, and that angle."""
+    if (psi - lower) % (2.0 * math.pi) <= upper - lower:
+        return 0.0, psi
+    room = min(_INSIDE, 0.25 * (upper - lower))
+    ends = (lower + room, upper - room)
+    return min((abs(math.remainder(end - psi, 2.0 * math.pi)), end) for end in ends)
+
+
+def solve_near(around: Surroundings, T: Array, psi: float, near: Array | None, branch: int, respect: bool) -> Solution:
+    """See `Arm.solve`, with a wanted elbow; an infinite arm angle says that all elbows are as near."""
+    found = nearest_free(around, T, psi, near, respect, branch) if math.isfinite(psi) else None
+    return solve(around, T, None, near, branch, respect) if found is None else found[1]
+
+
+def solve_near_batch(
+    around: Surroundings,
+    poses: Any,
+    elbow: Any,
+    seed: ArrayLike | None,
+    branch: int | None,
+    respect: bool,
+    threads: int | None,
+) -> BatchSolution:
+    """See `Arm.solve_batch`, with wanted elbows."""
+    arm, T, wanted = around.packed, as_matrices(poses), as_branch(branch)
+    psis, seeds = wanted_angles(arm, T, elbow), as_seeds(seed, len(T), arm.lower, arm.upper)
+    rows = np.empty((len(T), ROW))
+    hits: dict[tuple[int, ...], Collision] = {}
+
+    def work(first: int, last: int) -> None:
+        for i in range(first, last):
+            psi = float(psis[i if len(psis) > 1 else 0])
+            answer = solve_near(around, T[i], psi, seed_of(seeds, i), wanted, respect)
+            rows[i] = answer._row
+            if answer.collision is not None:
+                hits[(i,)] = answer.collision
+
+    run_in_threads(work, len(T), threads)
+    return BatchSolution(rows, arm.joint_names, arm.elbow, hits)
