@@ -137,6 +137,7 @@ def problem_of(
     start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
     none = np.zeros((n, 7)), np.zeros(n, np.bool_), np.zeros((n, 7))
     problem = Problem(arm, T, start, settings, dt is not None, *none, objective=objective)
+    problem.dt = dt
     problem.acceleration = _acceleration(acceleration_limit, objective)
     return problem
 

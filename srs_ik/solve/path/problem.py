@@ -80,6 +80,7 @@ class Problem:
     in_closed_form: bool = False  # whether to go by the nearest exact limb of a near one
     # (7,) limits of joint accelerations, rad/s^2, within which the time is to be least; None: none
     acceleration: Array | None = None
+    dt: float | None = None  # seconds between two poses
     # (1,) set by another thread where nobody wants the answer any more
     stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
     held: Array = field(default_factory=lambda: np.empty((0, HELD)))  # (h, HELD) postures that are known already

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels.layout.path import BY_VELOCITY
 from srs_ik.solve.path.bound import least_largest, least_sum
 from srs_ik.solve.path.breaks import PathBreak
@@ -15,6 +17,9 @@ from srs_ik.solve.path.problem import JUST_ABOVE, LARGEST_STEP, Problem, objecti
 from srs_ik.solve.path.timing import passing_times
 from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange
 from srs_ik.system.arrays import Array
+
+if TYPE_CHECKING:
+    from srs_ik.solve.path.trajectory import Trajectory
 
 
 class PathSolution(BatchSolution):
@@ -47,7 +52,7 @@ class PathSolution(BatchSolution):
         self.breaks = breaks
         self._problem = problem
         self._bounded = bounded
-        self.times = None
+        self.times: Array | None = None
         self.value = 0.0 if problem is None else value_of(problem, self.q[self.ok], steps)
         if problem is not None and problem.acceleration is not None:
             self.times = passing_times(steps, problem.arm.velocity_limit, problem.acceleration)
@@ -97,6 +102,31 @@ class PathSolution(BatchSolution):
             np.divide(moved, problem.settings[BY_VELOCITY], out=shares, where=moved > 0.0)
         use = shares.max(axis=1, initial=0.0)
         return np.where((use > 1.0) & (use <= JUST_ABOVE), 1.0, use)
+
+    def trajectory(self) -> Trajectory:
+        """A motion through all postures, from rest to rest, that keeps the limits at all times, to be sampled.
+
+        It passes the postures at `times`, or `dt` apart, or more slowly (`Trajectory.stretch`), within the velocity
+        limits of the arm, and those of acceleration that the path was given. Between two postures it bends away from
+        the straight line of joint angles, for which a scene is certified, as splines do.
+
+        Raises:
+            InvalidConfiguration: the path has a break or a pose that is not reached, or was given neither `dt` nor
+                limits of acceleration, which say how fast it is passed.
+        """
+        from srs_ik.solve.path.trajectory import Trajectory
+
+        if not self:
+            at = self.breaks[0].sample if self.breaks else int(np.argmin(self.ok))
+            raise InvalidConfiguration(f"there is no motion through all postures: the path breaks at pose {at}")
+        problem, times = self._problem, self.times
+        if times is None and problem is not None and problem.dt is not None:
+            times = float(problem.dt) * np.arange(len(self), dtype=float)
+        if times is None or problem is None:
+            raise InvalidConfiguration("nothing says how fast the path is passed: give solve_path dt, or accelerations")
+        arm, pushes = problem.arm, np.full(7, np.inf) if problem.acceleration is None else problem.acceleration
+        q = np.vstack([self.q[:1], self.q[0] + np.cumsum(self.steps, axis=0)])
+        return Trajectory(q, times, (arm.lower, arm.upper), arm.velocity_limit, pushes)
 
     @property
     def largest_step(self) -> float:

@@ -1,0 +1,125 @@
+"""A motion through all postures of a joint path that a driver can play: from rest to rest, inside the limits."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator, PPoly
+
+from srs_ik.inputs.poses import as_positive
+from srs_ik.system.arrays import Array
+
+ROUNDING = 1e-9
+"""Joint angles outside the limits by this are there by rounding, rad."""
+
+APART = 1e-9
+"""Passing times that are closer than this part of the whole are one: the path stands still there."""
+
+
+class Samples(NamedTuple):
+    """A motion at evenly spaced times."""
+
+    times: Array  # (M,) s, from 0 on
+    q: Array  # (M, 7) rad
+    velocity: Array  # (M, 7) rad/s
+    acceleration: Array  # (M, 7) rad/s^2
+
+
+class Trajectory:
+    """A motion through all postures of a path, from rest to rest.
+
+    Joint angles are cubic polynomials of the time between two postures. Velocities are continuous, and so are
+    accelerations, unless a joint would swing over its limit: then they jump at postures, and all joints stay between
+    their angles at two neighbours. Joints without end go on over pi.
+
+    Attributes:
+        passes: (N,) when it passes the postures of the path, s. These are the times that the path had, all
+            multiplied by `stretch`.
+        stretch: by what factor it is slower than the path's own times, so that limits of velocity, and of acceleration
+            where there are any, hold at all times and not only from posture to posture.
+        duration: when it comes to rest, s.
+    """
+
+    def __init__(
+        self, q: Array, times: Array, limits: tuple[Array, Array], velocity: Array, acceleration: Array
+    ) -> None:
+        moves = np.append(True, np.diff(times) > APART * times[-1])
+        own, angles = times[moves], q[moves]
+        self._at_rest: Array | None = None
+        if len(own) == 1:
+            self._at_rest, self.stretch, self.passes, self.duration = q[0], 1.0, np.zeros(len(q)), 0.0
+            return
+        curve: PPoly = CubicSpline(own, angles, bc_type="clamped")
+        if _leaves(curve, *limits):
+            slopes = PchipInterpolator(own, angles).derivative()(own)
+            slopes[0] = slopes[-1] = 0.0
+            curve = CubicHermiteSpline(own, angles, slopes)
+        fast = (_largest_speed(curve) / velocity).max()
+        hard = (np.abs(_ends(curve, 2)).max(axis=(0, 1)) / acceleration).max()
+        self.stretch = max(1.0, float(fast), float(np.sqrt(hard)))
+        self.passes = times * self.stretch
+        self.duration = float(self.passes[-1])
+        self._curves = [curve, curve.derivative(), curve.derivative(2)]
+
+    def sample(self, period: float) -> Samples:
+        """The motion once in every period, until it is at rest.
+
+        Args:
+            period: seconds from one sample to the next.
+
+        Raises:
+            InvalidConfiguration: no positive period.
+        """
+        step = as_positive(period, "period", "seconds")
+        count = int(np.ceil(self.duration / step - ROUNDING)) + 1
+        times: Array = step * np.arange(count, dtype=float)
+        if self._at_rest is not None:
+            return Samples(times, self._at_rest[None].copy(), np.zeros((1, 7)), np.zeros((1, 7)))
+        own = np.minimum(times, self.duration) / self.stretch
+        q, v, a = (curve(own) / self.stretch**order for order, curve in enumerate(self._curves))
+        rest = times >= self.duration
+        v[rest] = a[rest] = 0.0
+        return Samples(times, q, v, a)
+
+    def __repr__(self) -> str:
+        return f"Trajectory({len(self.passes)} postures in {self.duration:.4g} s)"
+
+
+def _ends(curve: PPoly, order: int) -> Array:
+    """(2, pieces, 7) a derivative at the beginning and at the end of every piece."""
+    h = np.diff(curve.x)[:, None]
+    c = curve.derivative(order).c
+    return np.array([c[-1], sum(part * h ** (len(c) - 1 - k) for k, part in enumerate(c))])
+
+
+def _largest_speed(curve: PPoly) -> Array:
+    """(7,) the largest speed of each joint."""
+    speed = np.abs(_ends(curve, 1)).max(axis=(0, 1))
+    inside = _at(curve.derivative(), *_turning_points(curve.derivative()))
+    return np.maximum(speed, np.abs(inside).max(axis=(0, 1)))
+
+
+def _leaves(curve: PPoly, lower: Array, upper: Array) -> bool:
+    """Whether a joint is outside its limits between postures that are inside."""
+    extremes = _at(curve, *_turning_points(curve))
+    return bool((extremes < lower - ROUNDING).any() or (extremes > upper + ROUNDING).any())
+
+
+def _turning_points(curve: PPoly) -> tuple[Array, ...]:
+    """Where in its piece (k, pieces, 7) a quadratic or cubic turns, from its beginning; that where it does not."""
+    h = np.diff(curve.x)[:, None]
+    c = curve.derivative().c
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if len(c) == 2:
+            found = [-c[1] / c[0]]
+        else:
+            root = np.sqrt(c[1] ** 2 - 4.0 * c[0] * c[2])
+            half = -0.5 * (c[1] + np.where(c[1] < 0.0, -root, root))
+            found = [half / c[0], c[2] / half]
+    return tuple(np.where((u > 0.0) & (u < h), u, 0.0) for u in found)
+
+
+def _at(curve: PPoly, *places: Array) -> Array:
+    """(k, pieces, 7) values at places within their pieces."""
+    return np.array([sum(part * u ** (len(curve.c) - 1 - k) for k, part in enumerate(curve.c)) for u in places])

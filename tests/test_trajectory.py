@@ -1,0 +1,122 @@
+"""Motions through the postures of paths: against dense samples, finite differences and SciPy."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
+
+import srs_ik
+from srs_ik import InvalidConfiguration
+from srs_ik.solve.path.trajectory import Trajectory
+
+Q = np.array([0.2, 0.6, 0.1, -1.2, 0.2, 0.8, 0.1])
+
+
+def line(arm, count, metres=0.2):
+    poses = np.repeat(arm.forward_kinematics(Q).homogeneous[None], count, axis=0)
+    poses[:, 1, 3] += np.linspace(0.0, metres, count)
+    return poses
+
+
+def dense(trajectory, count=20001):
+    return trajectory.sample(trajectory.duration / (count - 1))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 40])
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_a_motion_from_rest_to_rest_keeps_the_limits_at_all_times(name, count):
+    arm = srs_ik.load(name)
+    limit = np.linspace(4.0, 9.0, 7)
+    path = arm.solve_path(line(arm, count, 0.005 * count), seed=Q, objective="time", acceleration_limit=limit)
+    motion = path.trajectory()
+    assert motion.passes == pytest.approx(path.times * motion.stretch)
+    assert 1.0 <= motion.stretch < 1.6
+    if count == 1:
+        assert motion.sample(0.01).q == pytest.approx(path.q)
+        return
+    times, q, v, a = dense(motion)
+    assert (np.abs(v) <= arm.velocity_limit * (1.0 + 1e-9)).all()
+    assert (np.abs(a) <= limit * (1.0 + 1e-9)).all()
+    assert (q >= arm.lower).all()
+    assert (q <= arm.upper).all()
+    assert v[[0, -1]] == pytest.approx(np.zeros((2, 7)), abs=1e-12)
+    # What is said of velocities and accelerations is what the angles do.
+    h = times[1]
+    assert np.diff(q, axis=0) / h == pytest.approx(0.5 * (v[1:] + v[:-1]), abs=1e-6)
+    assert np.diff(v[:-1], axis=0) / h == pytest.approx(0.5 * (a[1:-1] + a[:-2]), abs=1e-2)
+    # Between two samples joints move by 1e-4 rad at most.
+    at = np.abs(times[:, None] - motion.passes).argmin(axis=0)
+    assert q[at] == pytest.approx(path.q, abs=1e-3)
+    # A limit is used up, or the path's own times are kept.
+    used = max((np.abs(v) / arm.velocity_limit).max(), (np.abs(a) / limit).max())
+    assert used > 0.98 or motion.stretch == 1.0
+
+
+def test_with_dt_the_postures_are_passed_dt_apart_where_the_limits_let_them():
+    arm = srs_ik.load("iiwa14")
+    path = arm.solve_path(line(arm, 50), seed=Q, dt=0.05)
+    motion = path.trajectory()
+    assert motion.stretch == 1.0
+    samples = motion.sample(0.05)
+    assert samples.q == pytest.approx(path.q, abs=1e-12)
+    clamped = CubicSpline(samples.times, path.q, bc_type="clamped")
+    fine = motion.sample(0.001)
+    assert fine.q == pytest.approx(clamped(fine.times), abs=1e-9)
+    quick = arm.solve_path(line(arm, 50), seed=Q, dt=0.002).trajectory()
+    assert quick.stretch > 1.0
+    assert np.abs(dense(quick).velocity / arm.velocity_limit).max() == pytest.approx(1.0, abs=1e-4)
+
+
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(2, 12), narrow=st.booleans())
+def test_random_postures_and_times(seed, count, narrow):
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-1.0, 1.0, (count, 7))
+    times = np.append(0.0, np.cumsum(10.0 ** rng.uniform(-2.0, 0.5, count - 1)))
+    if count > 3:
+        q[2], times[2:] = q[1], times[2:] - (times[2] - times[1])  # the path stands still for a pose
+    limits = (q.min(axis=0), q.max(axis=0)) if narrow else (np.full(7, -np.inf), np.full(7, np.inf))
+    velocity, acceleration = rng.uniform(0.5, 3.0, (2, 7))
+    motion = Trajectory(q, times, limits, velocity, acceleration)
+    _, angles, v, a = dense(motion, 5001)
+    assert np.isfinite(a).all()
+    assert (np.abs(v) <= velocity * (1.0 + 1e-9)).all()
+    assert (np.abs(a) <= acceleration * (1.0 + 1e-9)).all()
+    assert (angles >= limits[0] - 1e-8).all()
+    assert (angles <= limits[1] + 1e-8).all()
+    at = np.abs(np.linspace(0.0, motion.duration, 5001)[:, None] - motion.passes).argmin(axis=0)
+    assert np.abs(angles[at] - q).max() <= 3.0 * motion.duration / 5000
+
+
+def test_samples_end_at_rest_in_the_last_posture():
+    arm = srs_ik.load("iiwa14")
+    path = arm.solve_path(line(arm, 20), seed=Q, objective="time", acceleration_limit=[5.0] * 7)
+    times, q, v, a = path.trajectory().sample(0.004)
+    assert np.diff(times) == pytest.approx(0.004)
+    assert times[-2] < path.trajectory().duration <= times[-1]
+    assert q[-1] == pytest.approx(path.q[-1], abs=1e-12)
+    assert not v[-1].any()
+    assert not a[-1].any()
+
+
+def test_joints_without_end_go_on_over_pi():
+    arm = srs_ik.load("gen3")
+    q = Q.copy()
+    q[0] = 3.1
+    poses = [arm.forward_kinematics(q + 0.01 * k * np.eye(7)[0]) for k in range(12)]
+    path = arm.solve_path(poses, seed=q, dt=0.1)
+    angles = path.trajectory().sample(0.1).q
+    assert np.abs(np.diff(angles, axis=0)).max() < 0.2
+    assert angles[-1, 0] > np.pi
+
+
+def test_what_is_no_motion_is_refused():
+    arm = srs_ik.load("iiwa14")
+    with pytest.raises(InvalidConfiguration, match="nothing says how fast"):
+        arm.solve_path(line(arm, 5), seed=Q).trajectory()
+    poses = line(arm, 5)
+    poses[3, 0, 3] = 3.0
+    with pytest.raises(InvalidConfiguration, match="breaks at pose 3"):
+        arm.solve_path(poses, seed=Q, dt=0.1).trajectory()
+    with pytest.raises(InvalidConfiguration, match="period must be a positive number"):
+        arm.solve_path(line(arm, 5), seed=Q, dt=0.1).trajectory().sample(0.0)
