@@ -99,6 +99,24 @@ def test_limits_of_acceleration_give_the_times_at_which_poses_are_passed(tmp_pat
     assert f"{got['times'][-1]:.4g} s from rest to rest" in run("path", "iiwa14", file, *words).stdout
 
 
+def test_a_motion_is_written_with_velocities(tmp_path):
+    poses, out = line_of_poses(20), tmp_path / "motion.csv"
+    file = write(tmp_path / "poses.csv", poses)
+    words = ["--seed", *map(str, Q), "--objective", "time", "--acceleration", "8"]
+    told = run("path", "iiwa14", file, *words, "--out", str(out), "--period", "0.004")
+    assert told.exit_code == 0
+    assert "times the path's own times, to keep the limits" in told.stderr
+    header, *rows = csv.reader(out.open())
+    figures = np.array(rows, float)
+    arm = srs_ik.load("iiwa14")
+    assert header == ["t", *arm.joint_names, *(f"{name}_velocity" for name in arm.joint_names)]
+    assert np.diff(figures[:, 0]) == pytest.approx(0.004)
+    assert np.abs(np.diff(figures[:, 8:], axis=0)).max() <= 8.0 * 0.004 * (1.0 + 1e-6)
+    assert run("fk", "iiwa14", "--file", str(out)).exit_code == 0
+    assert "goes with --dt or --acceleration" in run("path", "iiwa14", file, "--out", str(out), "--period", "1").stderr
+    assert "--period is of the motion in --out" in run("path", "iiwa14", file, *words, "--period", "1").stderr
+
+
 @pytest.mark.slow
 def test_the_picture_of_the_strips_is_drawn(tmp_path):
     picture = tmp_path / "strips.png"

@@ -5,6 +5,7 @@ import pickle
 import arms
 import numpy as np
 import pytest
+from command_line import answer, run
 from hypothesis import given
 from oracles import arm_angle, distance, inside, limbs, postures_by_steps, wrapped
 
@@ -188,3 +189,15 @@ def test_what_is_no_elbow_is_refused(elbow, words):
         arm.solve(np.eye(4), elbow=elbow)
     with pytest.raises(InvalidConfiguration, match="elbow says where the elbow is wanted, and so does arm_angle"):
         arm.solve(np.eye(4), arm_angle=0.1, elbow=[0.1, 0.2, 0.3])
+
+
+def test_the_command_line_takes_a_point():
+    arm = arms.load("iiwa14")
+    q = [0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]
+    pose = ["--q", *map(str, q)]
+    found = answer("solve", "iiwa14", *pose, "--elbow", "0.1", "0.4", "0.6", "--seed", *map(str, q))
+    expected = arm.solve(arm.forward_kinematics(q), elbow=[0.1, 0.4, 0.6], seed=q)
+    assert found["q"] == pytest.approx(expected.q, abs=1e-6)
+    refused = run("solve", "iiwa14", *pose, "--elbow", "0.1", "0.4", "0.6", "--arm-angle", "0.1")
+    assert refused.exit_code == 2
+    assert "--elbow goes with none of --arm-angle" in refused.stderr

@@ -13,7 +13,7 @@ from srs_ik.cli import freedom
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, numbers, warn
 from srs_ik.cli.picture import check
-from srs_ik.cli.pose_file import read_poses, refuse_onto, write_path
+from srs_ik.cli.pose_file import read_poses, refuse_onto, write_motion, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 from srs_ik.cli.waiting import at_work
@@ -79,6 +79,14 @@ def path(
         Path | None,
         typer.Option(metavar="FILE.csv", help="Write the joint angles here, radians, if there is no break."),
     ] = None,
+    period: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="With --out: write a motion through the postures, once in every period, from rest to rest inside the "
+            "limits of --dt or --acceleration, with joint velocities.",
+        ),
+    ] = None,
     degrees: Annotated[
         bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --seed, --cone ...).")
     ] = False,
@@ -109,6 +117,9 @@ def path(
         (options["longest_step"],) = angles("--longest-step", [longest_step], unit)
     if acceleration is not None:
         options["acceleration_limit"] = _accelerations(acceleration, objective)
+    if period is not None and (out is None or (dt is None and acceleration is None)):
+        raise WrongInput("--period is of the motion in --out, and goes with --dt or --acceleration")
+    every = None if period is None else _positive("--period", period)
     refuse_onto(out, poses)
     T_base_tip, lines = read_poses(poses, unit)
     options.update(read(scene, margin, exact))
@@ -118,8 +129,13 @@ def path(
     arm = load(source, **chosen)
     with at_work(f"a path through {len(T_base_tip)} poses"):
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
-    if out is not None and found:
+    if out is not None and found and every is None:
         write_path(out, arm, found, _times(found, options.get("dt")))
+    elif out is not None and found and every is not None:
+        motion = found.trajectory()
+        write_motion(out, arm, motion.sample(every))
+        if motion.stretch > 1.0:
+            warn(f"the motion in {out} takes {motion.stretch:.4g} times the path's own times, to keep the limits")
     if plot is not None:
         from srs_ik.plots import plot_path
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
     from srs_ik.solve.path.solution import PathSolution
+    from srs_ik.solve.path.trajectory import Samples
 
 POSITION = ("x", "y", "z")
 RPY = ("roll", "pitch", "yaw")
@@ -171,6 +172,14 @@ def write_path(path: Path, arm: Arm, found: PathSolution, times: Sequence[float]
         return
     rows = ([time, *q] for time, q in zip(times, found.q.tolist(), strict=True))
     write_table(path, ("t", *arm.joint_names), rows)
+
+
+def write_motion(path: Path, arm: Arm, samples: Samples) -> None:
+    """Write a motion, a line for each sample: time, s, joint angles by name, rad, and velocities, rad/s."""
+    import numpy as np
+
+    header = ("t", *arm.joint_names, *(f"{name}_velocity" for name in arm.joint_names))
+    write_table(path, header, np.column_stack([samples.times, samples.q, samples.velocity]).tolist())
 
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
