@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from arms import generator
-from collision_oracle import file_of
+from collision_oracle import file_of, with_a_thick_neck
 from robot_files import at_hand
 
 import srs_ik
@@ -69,15 +69,6 @@ def test_links_of_built_in_robots_with_one_between_them_meet_nowhere_inside_the_
     assert close
     for names, hits in touching(arm, set(close), count).items():
         assert hits <= meeting.get(close[names], 0.0) * count, names
-
-
-def with_a_thick_neck(folder):
-    """iiwa14 with a link 5 that its flange meets where joint 6 is turned far."""
-    text = srs_ik.load("iiwa14").drawing.file.read_text()
-    assert text.count('radius="0.037"') == 2
-    file = folder / "thick.urdf"
-    file.write_text(text.replace('radius="0.037"', 'radius="0.0755"'))
-    return srs_ik.load(file, base="iiwa_link_0", tip="iiwa_link_ee")
 
 
 def test_a_range_of_a_joint_keeps_two_bodies_apart(tmp_path):
