@@ -256,7 +256,8 @@ class Arm(BodyOwner):
             seed: (7,) posture to start from, rad.
             dt: time between two poses, seconds; with it, velocity limits are kept where a path is found that does, and
                 else `velocity_use` of the answer is above 1.
-            longest_step: a joint step beyond this, rad, is a break.
+            longest_step: a joint step beyond this, rad, is a break. One from the seed counts like a break where paths
+                are compared, and is none of `breaks`.
             objective: what is least among the paths with the fewest breaks: "sum_of_squares" of the joint steps, the
                 "largest_step" of a joint, or the "time" at the velocity limits.
             known: postures that the path has to take, (7,) by the index of their pose. Joints without end come back in

@@ -103,6 +103,15 @@ def file_of_and(arm: srs_ik.Arm):
     return file, arm, folders
 
 
+def with_a_thick_neck(folder) -> srs_ik.Arm:
+    """iiwa14 with a link 5 that its flange meets where joint 6 is turned far: the range of that joint tells."""
+    text = srs_ik.load("iiwa14").drawing.file.read_text()
+    assert text.count('radius="0.037"') == 2
+    file = folder / "thick.urdf"
+    file.write_text(text.replace('radius="0.037"', 'radius="0.0755"'))
+    return srs_ik.load(file, base="iiwa_link_0", tip="iiwa_link_ee")
+
+
 def spheres_at(arm: srs_ik.Arm, tables, q: np.ndarray) -> list[np.ndarray]:
     """(n, 4) spheres of every group of some tables at a posture, by Pinocchio; solids are None.
 

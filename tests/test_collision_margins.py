@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from arms import generator
-from collision_oracle import Truth, file_of_and
+from collision_oracle import Truth, file_of_and, with_a_thick_neck
 
 import srs_ik
 from srs_ik.solve.in_scene.surroundings import Surroundings
@@ -122,8 +122,8 @@ def test_paths_keep_a_margin_that_no_range_of_a_joint_keeps(distances):
     assert checked >= 18
 
 
-def test_where_a_margin_is_too_much_the_posture_given_does_not_collide():
-    arm, scene = srs_ik.load("iiwa14"), srs_ik.Scene()
+def test_where_a_margin_is_too_much_the_posture_given_does_not_collide(tmp_path):
+    arm, scene = with_a_thick_neck(tmp_path), srs_ik.Scene()
     truth, asked = Truth(*file_of_and(arm)), 0
     for T in poses(arm, 100, 58):
         answer = arm.solve(T, scene=scene, margin=0.02)

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from arms import generator
-from collision_oracle import Truth, clearance, file_of
+from collision_oracle import Truth, clearance, file_of, with_a_thick_neck
 from scene_sets import KINDS, made, scene_of
 
 import srs_ik
@@ -73,7 +73,8 @@ def left_by_spheres(arm, scene, T):
     return len(Surroundings(arm, arm.packed, scene, 0.0).all_free(T, True))
 
 
-def test_the_margin_counts_for_ranges_of_joints(arm):
+def test_the_margin_counts_for_ranges_of_joints(tmp_path):
+    arm = with_a_thick_neck(tmp_path)
     T = arm.forward_kinematics(Q)
     largest = []
     for margin in (0.0, 0.01, 0.03):
@@ -167,8 +168,9 @@ def placed(place):
     return T
 
 
-def test_a_scene_that_has_changed_is_looked_at_anew(arm):
+def test_a_scene_that_has_changed_is_looked_at_anew(tmp_path):
     """What answers in a scene is kept for the next question: moves, objects, margins and the kind of shapes count."""
+    arm = with_a_thick_neck(tmp_path)
     rng = generator("iiwa14", 71)
     T = arm.forward_kinematics(rng.uniform(arm.lower, arm.upper)).homogeneous
     scene = srs_ik.Scene()

@@ -136,16 +136,31 @@ def test_answers_can_be_copied(how):
         COPIES[how](TASK).position[0] = 1.0
 
 
-@pytest.mark.parametrize("how", [how for how in COPIES if how != "copied"])
+@pytest.mark.parametrize("how", COPIES)
 def test_trackers_can_be_copied_whatever_the_elbow_does(how):
     arm = arms.load("iiwa14")
     q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
     scene = srs_ik.Scene()
     scene.add_sphere("ball", [0.4, 0.3, 0.8], 0.1)
     for elbow in ("keep", 0.2, "manipulability", TASK, scene):
-        tracker = arm.tracker(q, 0.01, elbow=elbow)
-        tracker.update(arm.forward_kinematics(q + 0.02))
-        other = COPIES[how](tracker)
-        for k in range(5):
-            pose = arm.forward_kinematics(q + 0.01 * k)
-            assert tracker.update(pose).q.tobytes() == other.update(pose).q.tobytes()
+        assert_goes_on_alike(arm, q, COPIES[how], elbow=elbow)
+
+
+@pytest.mark.parametrize("how", COPIES)
+def test_trackers_with_limits_of_jerk_can_be_copied(how):
+    pytest.importorskip("ruckig")
+    assert_goes_on_alike(arms.load("iiwa14"), np.full(7, 0.3), COPIES[how], jerk=100.0)
+
+
+def assert_goes_on_alike(arm, q, how, **options):
+    """A copy's updates are those of the tracker that was copied, and move that one nowhere."""
+    tracker = arm.tracker(q, 0.01, **options)
+    poses = [arm.forward_kinematics(q + 0.01 * min(k, 5)) for k in range(10)]
+    tracker.update(arm.forward_kinematics(q + 0.02))
+    other, here = how(tracker), tracker.q
+    ahead = [other.update(pose).q.tobytes() for pose in poses]
+    assert tracker.q.tobytes() == here.tobytes()
+    assert [tracker.update(pose).q.tobytes() for pose in poses] == ahead
+    for limit in (other.velocity_limit, other.acceleration_limit):
+        with pytest.raises(ValueError, match="read-only"):
+            limit[0] = 1.0

@@ -250,6 +250,8 @@ def test_a_store_of_another_robot_is_refused(made):
         build_map(other, 0.15, chart.path, orientations=144, measures=["margin"])
     with pytest.raises(srs_ik.InvalidMap, match="another grid"):
         build_map(arm, 0.2, chart.path, orientations=144, measures=["margin"])
+    with pytest.raises(srs_ik.InvalidMap, match="with other measures: give"):
+        build_map(arm, 0.15, chart.path, orientations=144)
     with pytest.raises(srs_ik.InvalidMap, match="holds no map"):
         open_map(chart.path.parent)
     with pytest.raises(srs_ik.InvalidMap, match="did you mean 'margin'"):
@@ -259,6 +261,14 @@ def test_a_store_of_another_robot_is_refused(made):
     for wrong in ([[-1, -1, 0], [1, 1, 1]], [[1, -1], [-1, 1], [0, 1]], "all"):
         with pytest.raises(srs_ik.InvalidMap, match=r"\(3, 2\) metres: rows of x, y and z, each a lower and an upper"):
             build_map(arm, 0.2, "x.zarr", box=wrong)
+
+
+@pytest.mark.parametrize("where", ["/proc/map.zarr", "a file/map.zarr"])
+def test_where_no_map_can_be_written_one_clear_error_says_so(where, tmp_path):
+    (tmp_path / "a file").touch()
+    path = tmp_path / where
+    with pytest.raises(srs_ik.InvalidMap, match=r"map\.zarr cannot be written: [^']*$"):
+        build_map(arms.load("iiwa14"), 0.4, path, orientations=12)
 
 
 def test_maps_of_two_tools_are_compared_and_of_two_places_combined(made, tmp_path):

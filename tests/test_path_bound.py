@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from arms import generator, load
+from arms import forward, generator, load
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import limbs
@@ -119,6 +119,59 @@ def test_the_bound_of_the_largest_step(name):
         path = arm.solve_path(poses_of(arm, known), seed=seed, objective="largest_step")
         assert path.value >= path.largest_step
         assert 0.95 * path.value < path.lower_bound <= min(path.value, np.abs(np.diff(known, axis=0)).max())
+
+
+def assert_no_better_than_known(arm, poses, known, value, path, breaks):
+    """A path is as good as one that is known to meet its poses, by Pinocchio, and so is its bound."""
+    for q, T in zip(known, poses, strict=True):
+        np.testing.assert_allclose(forward(arm.name)(q).homogeneous, T, atol=1e-4)
+        assert (arm.lower <= q).all()
+        assert (q <= arm.upper).all()
+    assert len(path.breaks) == breaks
+    assert path.lower_bound <= path.value < value * (1.0 + 1e-4)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_a_seed_that_is_far_away(count):
+    """Its step was taken for a break: neither was the largest one least, nor its bound below what another path has."""
+    arm = load("iiwa14")
+    seed = np.array([1.4416, -2.069, 0.7847, 1.582, 2.3078, 0.0374, 0.9034])
+    q = np.array([-0.1709, -1.9619, 2.8601, 1.9988, 2.8565, -2.0365, -0.4966])
+    poses = np.repeat(arm.forward_kinematics(q).homogeneous[None], count, axis=0)
+    path = arm.solve_path(poses, seed=seed, objective="largest_step")
+    assert_no_better_than_known(arm, poses, [q] * count, np.abs(q - seed).max(), path, 0)
+    assert path.lower_bound > 0.98 * path.value
+    even = arm.solve_path(poses, seed=seed)
+    assert 0.98 * even.value < even.lower_bound < even.value <= ((q - seed) ** 2).sum()
+
+
+def test_a_break_that_is_the_largest_step():
+    """Wherever a path breaks, the best one was not looked for, and bounds held for no others than those that do not."""
+    arm, rng = load("iiwa14"), np.random.default_rng(1)
+    poses = [arm.forward_kinematics(q).homogeneous for q in rng.uniform(arm.lower, arm.upper, (2, 7))]
+    known = np.array(
+        [
+            [0.0548, 1.9115, 1.0474, -1.8793, 1.9689, -0.3485, 2.0396],
+            [-0.9952, 0.8615, 2.0974, -1.0619, 1.6063, -1.1709, 2.4628],
+        ]
+    )
+    path = arm.solve_path(poses, objective="largest_step")
+    assert_no_better_than_known(arm, poses, known, np.abs(np.diff(known, axis=0)).max(), path, 1)
+    assert path.lower_bound > 0.98 * path.value
+
+
+def test_breaks_of_longer_paths_are_as_small_as_can_be_and_all_else_stays_continuous():
+    arm, rng = load("iiwa14"), np.random.default_rng(8)
+    known = np.vstack([known_motion(arm, rng, 30, 0.1), known_motion(arm, rng, 30, 0.1)])
+    poses = poses_of(arm, known)
+    path = arm.solve_path(poses, objective="largest_step")
+    jumps = np.flatnonzero((np.abs(path.steps) > 0.5).any(axis=1))
+    assert [each.sample - 1 for each in path.breaks] == jumps.tolist() == [29]
+    assert path.lower_bound <= path.value < np.abs(known[30] - known[29]).max()
+    # Without limits to what is continuous the same path is to be found.
+    other = arm.solve_path(poses, objective="largest_step", longest_step=10.0)
+    assert path.value <= other.value * (1.0 + 1e-3)
+    assert other.lower_bound <= path.value
 
 
 @pytest.mark.slow

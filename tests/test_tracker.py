@@ -3,6 +3,8 @@
 Limits are checked on differences of the joint angles that come out, and tips by Pinocchio on the robot's own file.
 """
 
+from copy import deepcopy
+
 import arms
 import numpy as np
 import pinocchio as pin
@@ -314,6 +316,32 @@ def test_the_jerk_is_limited_too(kind):
         arms.forward("iiwa14")(step.q).translation - np.asarray(getattr(end, "homogeneous", end))[:3, 3]
     )
     assert step.position_error == pytest.approx(off, abs=1e-9)
+
+
+def test_a_step_that_ruckig_does_not_find_is_no_error():
+    """At update 166 of this motion Ruckig raises an error of its own: the joints then slow down as it had planned."""
+    pytest.importorskip("ruckig")
+    arm, dt, rng = arms.load("iiwa14"), 0.05, np.random.default_rng(52)
+    q0, pace = rng.uniform(arm.lower, arm.upper), rng.uniform(0.2, 3.0, 7)
+    tracker = arm.tracker(q0, dt, jerk=arm.velocity_limit / 0.01)
+    q = [q0, q0, q0]
+    for i in range(400):
+        goal = arm.forward_kinematics(np.clip(q0 + 0.5 * np.sin(pace * i * dt), arm.lower, arm.upper))
+        ahead = deepcopy(tracker).update(goal).q if 160 < i < 180 else None
+        q.append(tracker.update(goal).q)
+        assert ahead is None or ahead.tobytes() == q[-1].tobytes()
+    most = arm.velocity_limit
+    for order, limit in enumerate((most, tracker.acceleration_limit, most / 0.01), 1):
+        assert (np.abs(np.diff(q, order, axis=0)) / dt**order <= limit + 1e-6).all()
+    assert (q >= arm.lower).all()
+    assert (q <= arm.upper).all()
+
+
+def test_without_a_target_to_reconfigure_for_a_pose_is_missing():
+    tracker = tracker_of("iiwa14", start("iiwa14"))
+    tracker.update(None)
+    with pytest.raises(InvalidPose, match="no target yet"):
+        tracker.reconfigure()
 
 
 def freed_error(name, free, q, T):

@@ -136,7 +136,8 @@ def build_map(
         progress: called with the cells that are done and all cells, after each task that is found whole or made.
 
     Raises:
-        InvalidMap: the arguments fit no map, the folder holds another one, or a cluster has no worker after 30 s.
+        InvalidMap: the arguments fit no map, the folder holds another one or cannot be written, or a cluster has no
+            worker after 30 s.
         InvalidConfiguration: `threads` is no positive integer.
         InvalidScene: this is no scene.
         NoBodies: with a scene, no shapes of the arm are at hand.

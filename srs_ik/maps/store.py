@@ -149,14 +149,20 @@ def checksum(values: Mapping[str, NDArray], names: Sequence[str]) -> int:
 
 
 def create(path: Path, plan: Plan) -> None:
-    """Make an empty store, whole or not at all."""
+    """Make an empty store, whole or not at all.
+
+    Raises:
+        InvalidMap: it cannot be written.
+    """
     zarr = zarr_module()
     beside = path.absolute().parent
-    beside.mkdir(parents=True, exist_ok=True)
     partial = beside / f".{path.name}.{uuid.uuid4().hex}.partial"
     try:
+        beside.mkdir(parents=True, exist_ok=True)
         _fill(zarr, partial, plan)
         partial.rename(path)
+    except OSError as error:
+        raise InvalidMap(f"{path} cannot be written: {error.strerror or error}") from None
     finally:
         shutil.rmtree(partial, ignore_errors=True)
 
@@ -234,7 +240,8 @@ def refuse_other(store: Store, plan: Plan) -> None:
         )
     for part in ("version", "grid", "orientations", "measures", "arcs", "scene", "task"):
         if there.get(part) != wanted.get(part):
-            raise InvalidMap(f"{store.path} is a map with another {part}: give another folder, or remove it")
+            other = f"other {part}" if part.endswith("s") else f"another {part}"
+            raise InvalidMap(f"{store.path} is a map with {other}: give another folder, or remove it")
 
 
 def _version(store: Store) -> Any:

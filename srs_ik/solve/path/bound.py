@@ -72,7 +72,8 @@ def least_sum(problem: Problem, q: Array, value: float, may_leap: bool) -> float
     if not value > 0.0:
         return 0.0
     settings = problem.settings.copy()
-    if may_leap:
+    if may_leap or problem.seed is not None:
+        # The step from a seed is no break, however long.
         settings[BY_CONTINUITY] = np.inf
     bound, kept = 0.0, None
     # Times lie closer together than sums of squares, so that fewer cells can be left out.
@@ -116,23 +117,28 @@ def _round(problem: Problem, source: Source, settings: Array, value: float, keep
     return bound, Cells(np.vstack(parts[::-1]), ends)
 
 
-def least_largest(problem: Problem, q: Array, value: float) -> float:
+def least_largest(problem: Problem, q: Array, value: float, may_leap: bool) -> float:
     """What the largest joint step of any path is at least; arguments as in `least_sum`."""
     if not value > 0.0:
         return 0.0
     bound, kept = 0.0, None
-    above = value * (1.0 + ROUNDING)
+    begin = 0 if problem.seed is None else 1
+    most = np.full((begin + len(problem.T), 7), np.inf)
+    if not may_leap:
+        most[:] = problem.settings[BY_CONTINUITY]
+    # The step from a seed is no break, however long.
+    most[: 2 * begin] = np.inf
+    above = np.minimum(value * (1.0 + ROUNDING), most)
     for longest, finer in pairwise((*LENGTHS[1:], 0.0)):
         try:
             cells = _all_of(_source(problem, q, kept, longest), len(problem.T))
         except TooManyCells:
             break
         whole = after(problem.seed, cells)
-        until, most = BISECTED * CLOSE * value, problem.settings[BY_CONTINUITY]
-        bound = least_through(whole, bound, value, until, problem.settings, most)
+        bound = least_through(whole, bound, value, BISECTED * CLOSE * value, problem.settings, most)
         if value - bound < CLOSE * value:
             break
-        kept = cells.where(passed(whole, np.full(7, above), problem.settings)[-len(cells.rows) :])
+        kept = cells.where(passed(whole, above, problem.settings)[-len(cells.rows) :])
         if _are_too_many(kept, longest, finer, MOST_FOR_LARGEST):
             break
     return min(max(bound * (1.0 - ROUNDING), 0.0), value)

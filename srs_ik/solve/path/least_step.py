@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import (
-    BREAK,
     BY_CONTINUITY,
     BY_VELOCITY,
     CELL,
@@ -29,7 +28,17 @@ from srs_ik.solve.path.blocks import KEPT, through
 from srs_ik.solve.path.finer import THIRDS, finer
 from srs_ik.solve.path.limited import search
 from srs_ik.solve.path.polish import FINE, polish, refine
-from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, SUM_OF_SQUARES, Problem, Way, copy, worth
+from srs_ik.solve.path.problem import (
+    EVERYWHERE,
+    FINE_SPACING,
+    JUST_ABOVE,
+    SUM_OF_SQUARES,
+    Problem,
+    Way,
+    copy,
+    steps_of,
+    worth,
+)
 from srs_ik.solve.path.reach import Cells, after, least_through, passed, reached
 from srs_ik.system.arrays import Array
 
@@ -69,10 +78,10 @@ class Strips:
         rows[:, CELL_OFF] = sag * (rows[:, 7:14] ** 2).sum(axis=1)
         return Cells(rows, np.searchsorted(self.poses[first], np.arange(len(problem.T) + 1))), first, last
 
-    def below(self, problem: Problem, limit: float) -> Strips:
-        """Those that may be on a path with steps below a limit."""
+    def below(self, problem: Problem, way: Way) -> Strips:
+        """Those that may be on a path with smaller steps than one at hand."""
         cells, first, last = self.cells(problem, SAG)
-        some = passed(after(problem.seed, cells), limits_of(problem, limit), problem.settings)[-len(first) :]
+        some = passed(after(problem.seed, cells), limits_below(problem, way), problem.settings)[-len(first) :]
         kept, linked = np.zeros(len(self.rows), np.bool_), np.zeros(len(self.rows), np.bool_)
         kept[first[some]] = kept[last[some]] = True
         linked[first[some]] = first[some] < last[some]
@@ -103,8 +112,6 @@ class Strips:
 def least_largest_step(problem: Problem) -> Way:
     """The path whose largest joint step is least, from that of the least sum of squares on."""
     way = search(replace(problem, objective=SUM_OF_SQUARES))
-    if way.cost >= 0.5 * BREAK:
-        return way
     polish(problem, way)
     loose = replace(problem, limited=False, objective=SUM_OF_SQUARES)
     whole = strips_of(loose)
@@ -114,7 +121,7 @@ def least_largest_step(problem: Problem) -> Way:
     for _ in range(LEVELS):
         if not len(strips.rows):
             break
-        strips = strips.below(problem, (1.0 - GAIN) * worth(problem, way)[1])
+        strips = strips.below(problem, way)
         other = path_through(problem, strips, way)
         if other is not None:
             if not problem.is_near:
@@ -123,7 +130,7 @@ def least_largest_step(problem: Problem) -> Way:
             polish(problem, other)
             if worth(problem, other) < worth(problem, way):
                 way = other
-                strips = strips.below(problem, (1.0 - GAIN) * worth(problem, way)[1])
+                strips = strips.below(problem, way)
         if not 0 < len(strips.rows) <= MOST_CELLS * len(problem.T):
             break
         strips = strips.finer(loose)
@@ -139,19 +146,30 @@ def strips_of(problem: Problem) -> Strips | None:
     return Strips(np.vstack(rows), np.concatenate(poses))
 
 
-def limits_of(problem: Problem, limit: float) -> Array:
-    """(7,) the longest steps of joints that are below a limit, continuous, and not too fast."""
-    most = np.minimum(limit, problem.settings[BY_CONTINUITY])
-    return np.minimum(most, problem.settings[BY_VELOCITY]) if problem.limited else most
+def limits_below(problem: Problem, way: Way) -> Array:
+    """(k, 7) the longest steps to the seed, if there is one, and to each pose that make a better path of one at hand.
+
+    They are smaller than its largest one, continuous, and not too fast; where it breaks, they are only smaller. The
+    step from the seed may be fast.
+    """
+    begin, settings, chain = len(problem.start), problem.settings, np.flatnonzero(way.reached)
+    limit = (1.0 - GAIN) * worth(problem, way)[1]
+    most = np.tile(np.minimum(limit, settings[BY_CONTINUITY]), (begin + len(way.q), 1))
+    if problem.limited:
+        most[2 * begin :] = np.minimum(most[2 * begin :], settings[BY_VELOCITY])
+    steps = np.abs(steps_of(problem, np.vstack([problem.start, way.q[chain]])))
+    broken = (steps > JUST_ABOVE * settings[BY_CONTINUITY]).any(axis=1)
+    most[begin + chain[len(chain) - len(steps) :][broken]] = limit
+    return most
 
 
 def path_through(problem: Problem, strips: Strips, way: Way) -> Way | None:
     """The path through strips with the least largest step, as they are straight; None where none is below a path's."""
-    most = (1.0 - GAIN) * worth(problem, way)[1]
     own, first, last = strips.cells(problem, 0.0)
-    cells, limits = after(problem.seed, own), limits_of(problem, most)
+    cells, limits = after(problem.seed, own), limits_below(problem, way)
     if not len(first) or not reached(cells, limits, problem.settings)[0]:
         return None
+    most = float(limits.max())
     until = BISECTED * most
     least = least_through(cells, 0.0, most, until, problem.settings, limits) + until
     limits = np.minimum(limits, LOOSE * least)
@@ -191,9 +209,9 @@ def way_back(cells: Cells, spans: Array, limits: Array, settings: Array) -> tupl
             step = behind - cells.rows[some, :7]
             step -= settings[PERIOD] * np.round(step * settings[INVERSE_PERIOD])
             t = np.clip((step * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300), low, high)
-            t = np.clip(t, *between_limits(step, chord, limits, low, high))
+            t = np.clip(t, *between_limits(step, chord, limits[i + 1], low, high))
             off = step - t[:, None] * chord
-            over = np.maximum(np.abs(off) - limits, 0.0).max(axis=1)
+            over = np.maximum(np.abs(off) - limits[i + 1], 0.0).max(axis=1)
             k = int(np.lexsort(((off**2).sum(axis=1), over))[0])
         numbers[i], parts[i] = some[k], t[k]
         behind = cells.rows[some[k], :7] + t[k] * chord[k]

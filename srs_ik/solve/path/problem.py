@@ -200,6 +200,7 @@ def copy(way: Way) -> Way:
     other = Way(len(way.q))
     other.q, other.psi, other.branch = way.q.copy(), way.psi.copy(), way.branch.copy()
     other.bounds, other.reached, other.cost = way.bounds.copy(), way.reached.copy(), way.cost
+    other.walls = way.walls
     return other
 
 

@@ -7,6 +7,7 @@ pose on, and from the last one back, is exact for cells.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,14 +47,22 @@ def after(seed: Array | None, cells: Cells) -> Cells:
 
 
 def reached(cells: Cells, limits: Array, settings: Array, backward: bool = False) -> tuple[bool, Array]:
-    """Whether a path goes through with steps below limits (7,), and what (m, 2) it reaches of each cell."""
+    """Whether a path goes through with steps below limits, and what (m, 2) it reaches of each cell.
+
+    Limits (k, 7) are those of the step to each of the k poses of the cells; those of the first one count nowhere.
+    """
     spans = np.tile([0.0, 1.0], (len(cells.rows), 1))
-    through = entries.reach(cells.rows, cells.ends, backward, limits, settings, spans)
-    return through, spans
+    change = 1 + np.flatnonzero((limits[1:-1] != limits[2:]).any(axis=1))
+    pieces = list(pairwise([0, *change.tolist(), len(limits) - 1]))
+    for first, last in reversed(pieces) if backward else pieces:
+        own = cells.ends[first : last + 2]
+        if not entries.reach(cells.rows, own, backward, limits[last], settings, spans):
+            return False, spans
+    return True, spans
 
 
 def passed(cells: Cells, limits: Array, settings: Array) -> NDArray[np.bool_]:
-    """(m,) which cells may be on a path with steps below limits (7,)."""
+    """(m,) which cells may be on a path with steps below limits, as in `reached`."""
     found = np.zeros(len(cells.rows), np.bool_)
     through, forth = reached(cells, limits, settings)
     if through:
@@ -67,7 +76,7 @@ def passed(cells: Cells, limits: Array, settings: Array) -> NDArray[np.bool_]:
 def least_through(cells: Cells, low: float, high: float, until: float, settings: Array, most: Array) -> float:
     """What no path through cells has a smaller largest step than, from two bounds of it, as exact as asked for.
 
-    No joint steps farther than `most` (7,).
+    No joint steps farther than `most` (k, 7), as in `reached`.
     """
     while high - low > until:
         middle = 0.5 * (low + high)

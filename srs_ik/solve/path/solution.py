@@ -84,7 +84,7 @@ class PathSolution(BatchSolution):
         met = self.ok
         value = value_of(problem, self.q[:1][met[:1]], self.steps[met[:-1] & met[1:]])
         if problem.objective == LARGEST_STEP:
-            return least_largest(problem, q, value)
+            return least_largest(problem, q, value, bool(self.breaks))
         return least_sum(problem, q, value, bool(self.breaks))
 
     @cached_property

@@ -13,6 +13,10 @@ SHARE = 1.0 - 1e-3
 """Share of the limits that Ruckig is given: its motions are exact to some 1e-10 rad, which differences magnify."""
 
 
+State = tuple[list[float], list[float], list[float]]
+"""Joint angles, velocities and accelerations."""
+
+
 class JerkFilter:
     """Joint angles within limits of velocity, acceleration and jerk that follow others as fast as these allow.
 
@@ -32,24 +36,37 @@ class JerkFilter:
         Raises:
             MissingExtra: ruckig is not installed.
         """
+        self._dt, self._limits, self._bounds = dt, limits, bounds
+        self._state: State = (q0.tolist(), [0.0] * 7, [0.0] * 7)
+        self._stops_from: State | None = None
+        self._resting = 0.0
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Make what of Ruckig computes the motions."""
         try:
             import ruckig
         except ImportError:
             raise MissingExtra("jerk", "limits of the jerk") from None
-        self._dt = dt
-        self._lower, self._upper = limits
-        self._ruckig: Any = ruckig.Ruckig(7, dt)
-        self._new = ruckig.Trajectory
+        self._ruckig: Any = ruckig.Ruckig(7, self._dt)
+        self._new, self._failure = ruckig.Trajectory, ruckig.RuckigError
         self._good = (ruckig.Result.Working, ruckig.Result.Finished)
         self._input: Any = ruckig.InputParameter(7)
         self._input.max_velocity, self._input.max_acceleration, self._input.max_jerk = (
-            (SHARE * bound).tolist() for bound in bounds
+            (SHARE * bound).tolist() for bound in self._bounds
         )
         self._input.synchronization = ruckig.Synchronization.No
         self._to_goal, self._to_rest = ruckig.ControlInterface.Position, ruckig.ControlInterface.Velocity
-        self._rest: Any = None
-        self._resting = 0.0
-        self._state = (q0.tolist(), [0.0] * 7, [0.0] * 7)
+        self._rest: Any = None if self._stops_from is None else self._motion(self._stops_from, None, np.zeros(7))
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        """What a copy needs: Ruckig's own objects cannot be copied, and are made anew."""
+        return self._dt, self._limits, self._bounds, self._state, self._stops_from, self._resting
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        """Go on as the one that was copied."""
+        self._dt, self._limits, self._bounds, self._state, self._stops_from, self._resting = state
+        self._prepare()
 
     def step(self, goal: Array, velocity: Array) -> Array:
         """The joint angles a period on, towards a goal that moves with a velocity: (7,) rad."""
@@ -58,15 +75,16 @@ class JerkFilter:
             after = motion and motion.at_time(self._dt)[:3]
             rest = after and self._motion(after, None, np.zeros(7))
             if rest and self._inside(rest):
-                self._state, self._rest, self._resting = after, rest, 0.0
+                self._state = self._stops_from = after
+                self._rest, self._resting = rest, 0.0
                 return np.array(after[0])
         if self._rest is not None:
             self._resting += self._dt
             self._state = self._rest.at_time(self._resting)[:3]
-        return np.clip(self._state[0], self._lower, self._upper)
+        return np.clip(self._state[0], *self._limits)
 
     def _motion(self, state: Any, goal: Array | None, velocity: Array) -> Any:
-        """The fastest motion from a state to a goal and a velocity there, or to that velocity alone."""
+        """The fastest motion from a state to a goal and a velocity there, or to that velocity alone; None for none."""
         given = self._input
         given.current_position, given.current_velocity, given.current_acceleration = state
         given.control_interface = self._to_rest if goal is None else self._to_goal
@@ -74,10 +92,14 @@ class JerkFilter:
         if goal is not None:
             given.target_position = goal.tolist()
         motion = self._new(7)
-        return motion if self._ruckig.calculate(given, motion) in self._good else None
+        try:
+            return motion if self._ruckig.calculate(given, motion) in self._good else None
+        except self._failure:
+            # Ruckig says so where rounding keeps it from a motion that there is.
+            return None
 
     def _inside(self, motion: Any) -> bool:
         """Whether all of a motion is inside the position limits."""
         ends = [(joint.min, joint.max) for joint in motion.position_extrema]
-        lowest, highest = np.array(ends).T
-        return bool((lowest >= self._lower).all() and (highest <= self._upper).all())
+        (lowest, highest), (lower, upper) = np.array(ends).T, self._limits
+        return bool((lowest >= lower).all() and (highest <= upper).all())

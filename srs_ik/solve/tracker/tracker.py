@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
+from srs_ik.errors import InvalidConfiguration, InvalidPose, MissingLimits, quoted
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.numbers import real_array, real_number
@@ -401,11 +402,16 @@ class Tracker(Fixed):
 
     def _target(self) -> Array:
         if not self._state[at.STARTED]:
-            raise InvalidConfiguration("there was no target yet: give reconfigure a pose")
+            raise InvalidPose("there was no target yet: give reconfigure a pose")
         T = np.eye(4)
         T[:3, :3] = self._state[at.ROTATION : at.POSITION].reshape(3, 3)
         T[:3, 3] = self._state[at.POSITION : at.TWIST]
         return T
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy begins with: an update writes in place, and must not move another tracker."""
+        own = {name: vars(self)[name].copy() for name in ("_state", "_settings", "_work")}
+        return {**vars(self), **own, "_jerk": copy(self._jerk)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """A copy's limits are fixed, too: NumPy forgets that of arrays that are copied."""
