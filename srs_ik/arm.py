@@ -250,9 +250,9 @@ class Arm(BodyOwner):
                 two of them, the second one is in the turns in which the path arrives.
             closed: whether the path has to end in the posture in which it begins (but for whole turns of joints without
                 end); its last pose is its first one.
-            acceleration_limit: (7,) of the joints, rad/s^2, for the objective "time": the path is then passed from rest
-                to rest within both limits, at the `times` of the answer. That is the least time along the path, and
-                the path the best one of those that are best by each objective.
+            acceleration_limit: one for all joints, or (7,), rad/s^2, for the objective "time": the path is then passed
+                from rest to rest within both limits, at the `times` of the answer. That is the least time along the
+                path, and the path the best one of those that are best by each objective.
             free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
                 and then each for its neighbours. It goes with neither known postures nor a closed path nor a scene.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
@@ -290,9 +290,10 @@ class Arm(BodyOwner):
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; inf for none, where a
                 joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.1 s.
-            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, an `Objective` or
-                its name ("limit_margin" for farthest from the limits) that it follows downhill, a `Task`, whose force
-                and velocity it serves, or a `Scene`, from whose bodies it keeps away.
+            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, a built-in
+                `Objective` of one value (no lexicographic one, no function of one's own) or its name ("limit_margin"
+                for farthest from the limits) that it follows downhill, a `Task`, whose force and velocity it serves,
+                or a `Scene`, from whose bodies it keeps away.
             smoothing: time constant of a filter that takes jitter from the target, seconds, 0 for none; if not given,
                 as long as the noise of the target asks for, which is measured: none where there is none.
             jerk: the largest, one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes
@@ -301,7 +302,7 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
-            InvalidTask: no such objective, or one that is no kernel; several tasks; no free axis.
+            InvalidTask: no such objective, or a lexicographic one, or a function; several tasks; no free axis.
             MissingExtra: a limit of the jerk is given, and ruckig is not installed.
             MissingLimits: the description gives a joint no velocity limit, and none is given here.
         """

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.errors import InvalidTask
+from srs_ik.errors import InvalidConfiguration, InvalidTask
+from srs_ik.inputs.numbers import real_number, what_is
 from srs_ik.inputs.poses import as_arm_angle
 from srs_ik.inputs.task import Task
 from srs_ik.kernels.entries.kinematics import configuration_arm_angle
@@ -48,10 +50,18 @@ def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Cal
         elbow = Objective(elbow)
     if isinstance(elbow, Objective):
         if elbow.kind is None or elbow.second >= 0:
-            raise InvalidTask(f"a tracker follows objectives that kernels compute, one at a time, not {elbow.name!r}")
+            raise InvalidTask(
+                f"a tracker's elbow follows built-in objectives of one value, not {elbow.name!r}; for any other, "
+                "elbow takes the arm_angle of what optimise finds"
+            )
         return (float(elbow.kind), 0.0, elbow.packed(owner, packed.weights, True)), None
     if _is_scene(elbow):
         return (at.KEEP, 0.0, none), _Clearance(packed, owner, elbow)
+    if math.isnan(real_number(elbow)):
+        raise InvalidConfiguration(
+            'elbow must be "keep", an arm angle, rad, a built-in Objective or its name, a Task or a Scene, '
+            f"not {what_is(elbow)}"
+        )
     return (at.ANGLE, as_arm_angle(elbow), none), None
 
 
