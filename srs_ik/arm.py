@@ -110,7 +110,8 @@ class Arm(BodyOwner):
         Args:
             pose: wanted pose of the tip frame in the base frame.
             arm_angle: rad; any if not given.
-            seed: (7,) posture to stay near, rad; no joint of it more than 300 rad outside its limits.
+            seed: (7,) posture to stay near, rad; no joint of it more than 300 rad outside its limits, and a warning
+                from a turn on: it looks like degrees.
             branch: 0 to 7; any if not given. A posture on the border between two branches, the sine of a middle angle
                 from its singularity below 1e-5, counts for both where the one that is asked for has no other.
             respect_limits: whether q has to keep the joint limits.
@@ -170,7 +171,7 @@ class Arm(BodyOwner):
         poses: Any,
         arm_angle: ArrayLike | None = None,
         seed: ArrayLike | None = None,
-        branch: int | None = None,
+        branch: int | ArrayLike | None = None,
         all_branches: bool = False,
         respect_limits: bool = True,
         threads: int | None = None,
@@ -185,7 +186,7 @@ class Arm(BodyOwner):
             poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
             arm_angle: one for all, or (N,), rad.
             seed: (7,) for all, or (N, 7), rad.
-            branch: 0 to 7 for all; any if not given.
+            branch: 0 to 7 for all, or (N,), such as those of `intervals_batch`; any if not given.
             all_branches: give all 8 branches at the arm angle (which is then required) as (N, 8) arrays; those that are
                 no solution say so in their status. Seed and branch choose nothing then, and are warned of.
             respect_limits: whether q has to keep the joint limits.
@@ -211,7 +212,12 @@ class Arm(BodyOwner):
 
             freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, all_branches=every)
             return self._asked(scene, margin).solve_free_batch(poses, free_axis, seed, respect, threads)
-        return self._asked(scene, margin).solve_batch(poses, arm_angle, seed, branch, every, respect, threads)
+        ask, others = self._asked(scene, margin).solve_batch, (every, respect, threads)
+        if isinstance(branch, list | tuple | np.ndarray) and not every:
+            from srs_ik.solve import by_branch
+
+            return by_branch.solve_batch(self.packed, ask, poses, arm_angle, seed, branch, *others)
+        return ask(poses, arm_angle, seed, branch, *others)
 
     def solve_path(
         self,

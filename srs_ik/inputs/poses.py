@@ -363,13 +363,27 @@ def as_arm_angle(arm_angle: Any) -> float:
     return value
 
 
-def as_branch(branch: int | None) -> int:
+def as_branch(branch: Any) -> int:
     """A branch number from 0 to 7, or -1 for any; raises InvalidConfiguration for anything else."""
     if branch is None:
         return -1
     if isinstance(branch, bool | np.timedelta64) or not isinstance(branch, int | np.integer) or not 0 <= branch <= 7:
-        raise InvalidConfiguration(f"a branch is an integer from 0 to 7, not {quoted(branch)}")
+        many = "; solve_batch takes one for each pose" if isinstance(branch, list | tuple | np.ndarray) else ""
+        raise InvalidConfiguration(f"a branch is an integer from 0 to 7, not {quoted(branch)}{many}")
     return int(branch)
+
+
+def as_branches(branches: Any, n: int) -> NDArray[np.int64]:
+    """Branch numbers (n,) from 0 to 7; raises InvalidConfiguration for anything else."""
+    try:
+        array = np.asarray(branches)
+    except ValueError:
+        array = np.empty(0, object)
+    if array.shape != (n,) or (n and array.dtype.kind not in "iu") or not ((array >= 0) & (array <= 7)).all():
+        raise InvalidConfiguration(
+            f"branch is an integer from 0 to 7, or {n} of them, one for each pose, not {quoted(branches)}"
+        )
+    return array.astype(np.int64)
 
 
 def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Array:
