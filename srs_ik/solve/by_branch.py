@@ -44,4 +44,4 @@ def solve_batch(
             raise
         rows[at] = found._rows
         hits.update({(int(at[place[0]]),): hit for place, hit in found.collisions.items()})
-    return BatchSolution(rows, arm.joint_names, arm.elbow, hits)
+    return BatchSolution(rows, arm.joint_names, arm.told[2 if arm_angle is None else 3], hits)
