@@ -33,7 +33,8 @@ steps = [tracker.update(pose) for pose in recording]
 
 print("jitter as measured: {:.1e} m, {:.1e} rad".format(*tracker.noise))
 print(Counter(str(step.status) for step in steps))
-print("at the jump:", steps[301].message)
+jump = next(k for k in range(301, len(steps)) if recording[k] is not None)
+print("at the jump:", steps[jump].message)
 velocity = np.abs([step.velocity for step in steps]).max(axis=0)
 acceleration = np.abs([step.acceleration for step in steps]).max(axis=0)
 print("largest velocities, share of the limits:     ", np.round(velocity / tracker.velocity_limit, 2))

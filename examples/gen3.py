@@ -28,7 +28,7 @@ print(f"{solution.status.name}: off by {error.position:.1e} m, {error.orientatio
 # With a seed, the nearest posture; its continuous joints come back in the turn of the seed.
 seed = q + np.array([2.0 * np.pi, 0.1, 0.0, 0.0, -2.0 * np.pi, 0.0, 0.0])
 near = arm.solve(T_base_tip, seed=seed)
-print(f"seeded two turns off: joint 1 at {near.q[0]:.3f} rad, joint 5 at {near.q[4]:.3f} rad")
+print(f"seeded a turn off each: joint 1 at {near.q[0]:.3f} rad, joint 5 at {near.q[4]:.3f} rad")
 
 # One posture for every stretch of arm angles that the limits of joints 2, 4 and 6 leave.
 intervals = arm.intervals(T_base_tip)

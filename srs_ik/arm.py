@@ -113,7 +113,8 @@ class Arm(BodyOwner):
         Args:
             pose: wanted pose of the tip frame in the base frame.
             arm_angle: rad; any if not given.
-            seed: (7,) posture to stay near, rad; no joint of it more than 300 rad outside its limits.
+            seed: (7,) posture to stay near, rad; no joint of it more than 300 rad outside its limits, and a warning
+                from a turn on: it looks like degrees.
             branch: 0 to 7; any if not given. A posture on the border between two branches, the sine of a middle angle
                 from its singularity below 1e-5, counts for both where the one that is asked for has no other.
             respect_limits: whether q has to keep the joint limits.
@@ -179,7 +180,7 @@ class Arm(BodyOwner):
         poses: Any,
         arm_angle: ArrayLike | None = None,
         seed: ArrayLike | None = None,
-        branch: int | None = None,
+        branch: int | ArrayLike | None = None,
         all_branches: bool = False,
         respect_limits: bool = True,
         threads: int | None = None,
@@ -195,7 +196,7 @@ class Arm(BodyOwner):
             poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
             arm_angle: one for all, or (N,), rad.
             seed: (7,) for all, or (N, 7), rad.
-            branch: 0 to 7 for all; any if not given.
+            branch: 0 to 7 for all, or (N,), such as those of `intervals_batch`; any if not given.
             all_branches: give all 8 branches at the arm angle (which is then required) as (N, 8) arrays; those that are
                 no solution say so in their status. Seed and branch choose nothing then, and are warned of.
             respect_limits: whether q has to keep the joint limits.
@@ -225,7 +226,12 @@ class Arm(BodyOwner):
 
             freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, all_branches=every)
             return self._asked(scene, margin).solve_free_batch(poses, free_axis, seed, respect, threads)
-        return self._asked(scene, margin).solve_batch(poses, arm_angle, seed, branch, every, respect, threads)
+        ask, others = self._asked(scene, margin).solve_batch, (every, respect, threads)
+        if isinstance(branch, list | tuple | np.ndarray) and not every:
+            from srs_ik.solve import by_branch
+
+            return by_branch.solve_batch(self.packed, ask, poses, arm_angle, seed, branch, *others)
+        return ask(poses, arm_angle, seed, branch, *others)
 
     def solve_path(
         self,
@@ -265,9 +271,9 @@ class Arm(BodyOwner):
                 two of them, the second one is in the turns in which the path arrives.
             closed: whether the path has to end in the posture in which it begins (but for whole turns of joints without
                 end); its last pose is its first one.
-            acceleration_limit: (7,) of the joints, rad/s^2, for the objective "time": the path is then passed from rest
-                to rest within both limits, at the `times` of the answer. That is the least time along the path, and
-                the path the best one of those that are best by each objective.
+            acceleration_limit: one for all joints, or (7,), rad/s^2, for the objective "time": the path is then passed
+                from rest to rest within both limits, at the `times` of the answer. That is the least time along the
+                path, and the path the best one of those that are best by each objective.
             free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
                 and then each for its neighbours. It goes with neither known postures nor a closed path nor a scene.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
@@ -305,10 +311,11 @@ class Arm(BodyOwner):
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; inf for none, where a
                 joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.1 s.
-            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, a point (3,) to
-                which it comes as near as it can, in the base frame, m, such as a measured elbow, an `Objective` or its
-                name ("limit_margin" for farthest from the limits) that it follows downhill, a `Task`, whose force
-                and velocity it serves, or a `Scene`, from whose bodies it keeps away.
+            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, a point (3,) in the
+                base frame, m, such as a measured elbow, to which it comes as near as it can, a built-in `Objective` of
+                one value (no lexicographic one, no function of one's own) or its name ("limit_margin" for farthest from
+                the limits) that it follows downhill, a `Task`, whose force and velocity it serves, or a `Scene`, from
+                whose bodies it keeps away.
             smoothing: time constant of a filter that takes jitter from the target, seconds, 0 for none; if not given,
                 as long as the noise of the target asks for, which is measured: none where there is none.
             jerk: the largest, one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes
@@ -317,7 +324,7 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
-            InvalidTask: no such objective, or one that is no kernel; several tasks; no free axis.
+            InvalidTask: no such objective, or a lexicographic one, or a function; several tasks; no free axis.
             MissingExtra: a limit of the jerk is given, and ruckig is not installed.
             MissingLimits: the description gives a joint no velocity limit, and none is given here.
         """

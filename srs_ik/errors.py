@@ -10,6 +10,8 @@ import json
 import math
 import reprlib
 import shlex
+import sys
+import warnings
 from collections.abc import Iterable, Sequence
 from importlib import metadata
 from pathlib import Path
@@ -24,6 +26,9 @@ _LISTED = 40
 
 _SPELLED = 16
 """Figures of an array that a message spells as a list, as far as it has room."""
+
+LIKE_FRAMES = 0.8
+"""Likeness of a frame's name to one that is suggested: most end in "_link", and that alone makes them alike by 0.6."""
 
 _LONGEST = 2000
 """Characters of a message."""
@@ -66,7 +71,8 @@ class FrameNotFound(SrsIkError):
         self.available = tuple(available)
         where = f" in robot {quoted(robot)}" if robot else ""
         message = f"{source}: " if source else ""
-        message += f"there is no frame {quoted(self.frame)}{where}{did_you_mean(self.frame, self.available)}"
+        hint = did_you_mean(self.frame, self.available, LIKE_FRAMES)
+        message += f"there is no frame {quoted(self.frame)}{where}{hint}"
         super().__init__(f"{message}; its frames are {listed(self.available)}" if self.available else message)
 
 
@@ -193,13 +199,25 @@ def _installed_from() -> Path | None:
     return folder if url.scheme == "file" and _is_project(folder) else None
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """The clause " (did you mean ...?)" for a misspelt name, or "" where no known name is close to it."""
+def warn_caller(message: str) -> None:
+    """Warn as of the line outside of this package that called it, where Python tells a warning once."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).partition(".")[0] == "srs_ik":
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, UserWarning, stacklevel=level)
+
+
+def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
+    """The clause " (did you mean ...?)" for a misspelt name, or a part of three at most; "" where none is close."""
     if not isinstance(name, str) or len(name) > bounds.COMPARED:
         return ""
     by_folded = {candidate.casefold(): candidate for candidate in known if len(candidate) <= bounds.COMPARED}
-    close = [by_folded[match] for match in difflib.get_close_matches(name.casefold(), by_folded, n=3)]
-    return f" (did you mean {' or '.join(repr(match) for match in close)}?)" if close else ""
+    folded = name.casefold()
+    matches = difflib.get_close_matches(folded, by_folded, n=3, cutoff=likeness)
+    if not matches:
+        matches = [each for each in by_folded if each.startswith(f"{folded}_") or each.endswith(f"_{folded}")]
+    close = [by_folded[match] for match in matches]
+    return f" (did you mean {' or '.join(repr(match) for match in close)}?)" if 0 < len(close) <= 3 else ""
 
 
 def quoted(value: object) -> str:

@@ -85,7 +85,7 @@ class ChainKinematics(Fixed):
             InvalidConfiguration: not 7 finite angles, a model that lacks one of the joints, or others of another size,
                 or with which the tip would not be where the arm has it.
         """
-        q = as_joint_vector(q)
+        q = as_joint_vector(q, limits=(self.lower, self.upper))
         if model is None and others is not None:
             raise InvalidConfiguration("others are those of a whole robot: give its model, too")
         joints = self._joints if model is None else self._joints_in(model)

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from srs_ik import InvalidConfiguration, InvalidPose, SrsIkError, Status
+from srs_ik import InvalidConfiguration, InvalidPose, Scene, SrsIkError, Status
 from srs_ik.kernels.layout.limb import LIMITED, STRAIGHT
 from srs_ik.solve.threads import interruptible, processors, run_in_threads, watched
 
@@ -50,6 +50,11 @@ def options_of(name, q):
             lambda i: {"seed": seeds[i], "arm_angle": angles[i]},
         ),
         "branch": ({"branch": 5}, lambda i: {"branch": 5}),
+        "branches": ({"branch": np.arange(len(q)) % 8}, lambda i: {"branch": i % 8}),
+        "branches and seeds at arm angles": (
+            {"branch": list(np.arange(len(q)) % 8), "seed": seeds, "arm_angle": 0.3},
+            lambda i: {"branch": i % 8, "seed": seeds[i], "arm_angle": 0.3},
+        ),
         "no limits": ({"respect_limits": False}, lambda i: {"respect_limits": False}),
     }
 
@@ -225,6 +230,38 @@ def test_a_bad_pose_is_named():
                 arm.solve_batch(spoilt, threads=threads)
 
 
+@pytest.mark.parametrize("scene", [None, Scene()], ids=["free", "scene"])
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_every_pose_may_have_a_branch_of_its_own(name, scene):
+    """The middle of every interval of several poses: known branches, which Pinocchio confirms to be on their poses."""
+    arm = arms.load(name)
+    poses = arm.forward_kinematics_batch(arms.configurations(name, 4 if scene else 30, 71))
+    found = arm.intervals_batch(poses, scene=scene)
+    of_pose = np.repeat(np.arange(len(poses)), found.counts)
+    psis = 0.5 * (found.lower + found.upper)
+    batch = arm.solve_batch(poses[of_pose], arm_angle=psis, branch=found.branch, scene=scene)
+    assert len(set(found.branch.tolist())) > 4
+    assert batch.ok.all()
+    assert (batch.branch == found.branch).all()
+    for q, i, branch in zip(batch.q, of_pose, found.branch, strict=True):
+        assert max(arm.verify(poses[i], q)) < 1e-9
+        assert arm.branch(q) == branch
+
+
+def test_of_poses_with_branches_the_bad_one_and_the_hits_are_numbered_among_all():
+    arm = arms.load("iiwa14")
+    poses = arm.forward_kinematics_batch(arms.configurations("iiwa14", 8, 72))
+    scene = Scene()
+    scene.add_sphere("everywhere", [0.0, 0.0, 0.5], 3.0)
+    batch = arm.solve_batch(poses, branch=np.arange(8), scene=scene)
+    assert sorted(batch.collisions) == [(i,) for i in np.flatnonzero(batch.status == Status.COLLISION)]
+    assert len(batch.collisions) > 4
+    poses[5] = 0.0
+    with pytest.raises(InvalidPose, match="the pose 5 of 8"):
+        arm.solve_batch(poses, branch=np.arange(8))
+    assert len(arm.solve_batch([], branch=[])) == 0
+
+
 @pytest.mark.parametrize(
     ("options", "error"),
     [
@@ -240,6 +277,12 @@ def test_a_bad_pose_is_named():
         ({"branch": 8}, InvalidConfiguration),
         ({"branch": -1}, InvalidConfiguration),
         ({"branch": 1.0}, InvalidConfiguration),
+        ({"branch": [0, 1, 2]}, InvalidConfiguration),
+        ({"branch": [0, 1, 2, 8]}, InvalidConfiguration),
+        ({"branch": [0.0, 1.0, 2.0, 3.0]}, InvalidConfiguration),
+        ({"branch": [[0], [1, 2]]}, InvalidConfiguration),
+        ({"branch": [True] * 4}, InvalidConfiguration),
+        ({"branch": [0] * 4, "arm_angle": np.zeros(3)}, InvalidConfiguration),
         ({"all_branches": True}, InvalidConfiguration),
         ({"threads": 0}, SrsIkError),
         ({"threads": 1.5}, SrsIkError),

@@ -112,6 +112,13 @@ def test_degrees_where_radians_belong_are_noticed(words, option, tmp_path, monke
     assert "degrees?" not in said(*words, "--degrees")
 
 
+@pytest.mark.slow
+def test_degrees_are_noticed_once():
+    seeded = ["--seed", "0", "40", "0", "-80", "0", "10", "0"]
+    lines = run_apart(["solve", "iiwa14", *POSE, *seeded, "--arm-angle", "45"]).stderr.splitlines()
+    assert [line.split()[1] for line in lines if "degrees?" in line] == ["--arm-angle", "--seed"]
+
+
 def test_degrees_in_a_file_of_poses_are_noticed(tmp_path):
     path = tmp_path / "poses.csv"
     path.write_text("x,y,z,roll,pitch,yaw\n0.5,0.1,0.6,0,90,0\n0.5,0.1,0.61,0,90,0\n")

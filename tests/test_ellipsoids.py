@@ -303,6 +303,8 @@ GOOD = np.eye(6, 7)
     [
         (lambda: srs_ik.velocity_ellipsoid(np.eye(7, 6)), "shape (7, 6)"),
         (lambda: srs_ik.velocity_ellipsoid("J"), "J must be a Jacobian"),
+        (lambda: srs_ik.velocity_ellipsoid(srs_ik.load("iiwa14"), np.zeros(7)), "not Arm; arm.jacobian(q) gives it"),
+        (lambda: srs_ik.force_ellipsoid(np.zeros(7), [0.1] * 6), "J must be a Jacobian"),
         (lambda: srs_ik.velocity_ellipsoid(GOOD * np.nan), "not finite"),
         (lambda: srs_ik.force_ellipsoid(GOOD, part="lin"), "'lin'"),
         (lambda: srs_ik.force_ellipsoid(GOOD, np.ones(6)), "limit must be 7 positive"),

@@ -76,6 +76,22 @@ def test_frame_not_found_offers_the_frame_that_was_meant_and_lists_the_others():
     assert "base_link, tool_0, camera" in message
 
 
+@pytest.mark.parametrize(
+    ("asked", "offered"),
+    [
+        ("base_link", ""),  # as like to 'iiwa_link_7' as to 'iiwa_link_0'
+        ("ee_link", ""),
+        ("link", ""),
+        ("link_7", " (did you mean 'iiwa_link_7'?)"),
+        ("tool0", " (did you mean 'tool0_joint'?)"),
+        ("tol0_joint", " (did you mean 'tool0_joint'?)"),
+    ],
+)
+def test_frames_are_offered_only_where_their_own_part_of_the_name_is_alike(asked, offered):
+    names = [*(f"iiwa_link_{k}" for k in range(8)), "iiwa_link_ee", "tool0_joint"]
+    assert str(errors.FrameNotFound(asked, names)).startswith(f"there is no frame {asked!r}{offered};")
+
+
 def test_a_long_list_of_frames_is_cut_in_the_message_but_whole_in_the_field():
     names = [f"frame_{i}" for i in range(500)]
     error = errors.FrameNotFound("zzz", names)

@@ -102,7 +102,11 @@ def test_paths_within_limits_of_acceleration(name):
     [
         ({"acceleration_limit": np.ones(7)}, "objective='time'"),
         ({"acceleration_limit": np.zeros(7), "objective": "time"}, "positive"),
-        ({"acceleration_limit": np.ones(6), "objective": "time"}, "7"),
+        (
+            {"acceleration_limit": np.ones(6), "objective": "time"},
+            "must be a positive .* or 7 of them",
+        ),
+        ({"acceleration_limit": "5", "objective": "time"}, "acceleration_limit must be a positive number, .*; not '5'"),
     ],
 )
 def test_wrong_limits_are_refused(options, named):

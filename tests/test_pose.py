@@ -1,6 +1,7 @@
 """What callers give: any sensible form is taken, everything malformed is refused in one sentence."""
 
 import warnings
+from types import SimpleNamespace
 
 import arms
 import numpy as np
@@ -131,6 +132,7 @@ SEEDED = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:seed has joint 3 more than a turn outside")
 @pytest.mark.parametrize("call", SEEDED.values(), ids=SEEDED)
 def test_seeds_far_outside_the_limits_are_refused(call):
     """Beyond them, the distance from the seed would hide whether the limits are kept."""
@@ -243,6 +245,7 @@ def test_poses_at_absurd_distances_are_answered(far):
             assert -np.pi <= solution.arm_angle < np.pi
 
 
+@pytest.mark.filterwarnings("ignore:the arm angle is in radians")
 def test_arm_angles_of_many_turns_are_the_same_angle():
     arm = arms.load("iiwa14")
     pose = arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0])
@@ -303,7 +306,7 @@ def test_single_precision_is_near_enough():
         (np.zeros((4, 4)), "last row of a pose is 0 0 0 1, not 0 0 0 0"),
         (np.full((4, 4), np.nan), "not finite"),
         (np.eye(3), "not an array of shape"),
-        (np.eye(4) * (1 + 0j), "not ndarray"),
+        (np.eye(4) * (1 + 0j), "not complex numbers"),
     ],
     ids=str,
 )
@@ -313,6 +316,97 @@ def test_what_is_far_from_a_pose_has_no_nearest_one(matrix, says):
 
 
 # What is no number, and arguments that nobody means
+
+
+REMEDIES = {
+    "seed of a solution": (
+        lambda arm, T: arm.solve(T, seed=arm.solve(T)),
+        "not Solution; give its q",
+    ),
+    "seed of a joint state": (
+        lambda arm, T: arm.solve(T, seed=SimpleNamespace(name=["a"], position=[0.0])),
+        "seed must be 7 joint angles, not SimpleNamespace; arm.joint_vector",
+    ),
+    "seed of a mapping": (lambda arm, T: arm.solve(T, seed=arm.solve(T).as_dict()), "not dict; arm.joint_vector"),
+    "seeds of a mapping": (
+        lambda arm, T: arm.solve_batch([T], seed={"a": 0.0}),
+        "seed .*, not dict; arm.joint",
+    ),
+    "seed of text": (lambda arm, T: arm.solve(T, seed=["0"] * 7), "seed must be 7 joint angles, not text"),
+    "seeds of text": (lambda arm, T: arm.solve_batch([T], seed=["0"] * 7), "one row for each pose, not text"),
+    "complex seed": (lambda arm, T: arm.solve(T, seed=[1j] * 7), "seed must be 7 joint angles, not complex numbers"),
+    "several seeds": (lambda arm, T: arm.solve(T, seed=np.zeros((3, 7))), r"shape \(3, 7\); solve_batch takes one for"),
+    "ragged seed": (lambda arm, T: arm.solve(T, seed=[[0.0], [0.0, 1.0]]), "not lists of different lengths"),
+    "seed with something else in it": (lambda arm, T: arm.solve(T, seed=[0.0] * 6 + [{}]), "not list with {} in it"),
+    "no joints": (lambda arm, T: arm.forward_kinematics(None), "q must be 7 joint angles, not None"),
+    "many joints": (lambda arm, T: arm.jacobian(np.zeros((3, 7))), "forward_kinematics_batch and jacobian_batch take"),
+    "many joints of a solution": (lambda arm, T: arm.forward_kinematics_batch(arm.solve(T)), "Solution; give its q"),
+    "several arm angles": (lambda arm, T: arm.solve(T, [0.1, 0.2]), "solve_batch takes one for each pose"),
+    "arm angles of text": (
+        lambda arm, T: arm.solve_batch([T], ["a"]),
+        "arm_angle must be a number .*, not text",
+    ),
+    "pose of text": (lambda arm, T: arm.solve(T.homogeneous.astype(str)), "a pose is .*, not text"),
+    "complex pose": (lambda arm, T: arm.solve(T.homogeneous * (1 + 0j)), "a pose is .*, not complex numbers"),
+    "no pose": (lambda arm, T: arm.solve(None), "a pose is .*, not None"),
+    "pose of a mapping": (
+        lambda arm, T: arm.solve({"position": [0, 0, 0], "orientation": [0, 0, 0, 1]}),
+        "not dict; pose_from_xyz_quaternion",
+    ),
+    "pose of a quaternion": (lambda arm, T: arm.solve(pin.Quaternion.Identity()), "not Quaternion; pose_from_xyz_quat"),
+    "poses of a quaternion": (
+        lambda arm, T: arm.solve_batch(pin.Quaternion.Identity()),
+        "poses are .*, not Quat",
+    ),
+    "pose of a rotation": (lambda arm, T: arm.solve(T.rotation), r"pinocchio\.SE3\(R, xyz\) makes one"),
+    "several poses": (lambda arm, T: arm.solve([T, T]), r"shape \(2, 4, 4\); solve_batch, intervals_batch"),
+    "one pose for several": (
+        lambda arm, T: arm.solve_batch(T.homogeneous),
+        r"\(4, 4\); \[pose\] is a list of one",
+    ),
+    "quaternion": (
+        lambda arm, T: srs_ik.pose_from_xyz_quaternion([0, 0, 0], pin.Quaternion.Identity(), order="xyzw"),
+        r"4 finite numbers, not Quaternion; \[q\.x, q\.y, q\.z, q\.w\] are, in the order 'xyzw'",
+    ),
+}
+
+
+@pytest.mark.parametrize(("call", "says"), REMEDIES.values(), ids=REMEDIES)
+def test_messages_name_what_is_wrong_and_what_would_be_right(call, says):
+    arm = arms.load("iiwa14")
+    with pytest.raises(SrsIkError, match=says) as raised:
+        call(arm, arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0]))
+    assert_one_sentence(raised)
+
+
+DEGREES = [30.0, 40.0, -20.0, -60.0, 30.0, 45.0, -10.0]
+ASKED_IN_DEGREES = {
+    "seed": lambda arm, T: arm.solve(T, seed=DEGREES),
+    "one of several seeds": lambda arm, T: arm.solve_batch([T, T], seed=[np.zeros(7), DEGREES]),
+    "seed of a path": lambda arm, T: arm.solve_path([T], seed=DEGREES),
+    "q": lambda arm, T: arm.forward_kinematics(DEGREES),
+    "arm angle": lambda arm, T: arm.solve(T, arm_angle=45.0),
+    "one of several arm angles": lambda arm, T: arm.solve_batch([T, T], arm_angle=[0.1, 45.0]),
+}
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+@pytest.mark.parametrize("call", ASKED_IN_DEGREES.values(), ids=ASKED_IN_DEGREES)
+def test_what_looks_like_degrees_is_told_once_to_the_line_that_gave_it(call, name):
+    arm = arms.load(name)
+    T = arm.forward_kinematics(np.radians(DEGREES))
+    with pytest.warns(UserWarning, match=r"radians.*: are these degrees\?$") as told:
+        call(arm, T)
+    assert [each.filename for each in told] == [__file__]
+
+
+def test_turns_of_joints_without_end_are_not_taken_for_degrees():
+    arm = arms.load("gen3")
+    q = np.radians(DEGREES)
+    wound = q + 2.0 * np.pi * np.array([3, 0, -3, 0, 5, 0, 50]) * np.isinf(arm.upper)
+    with warnings.catch_warnings(action="error"):
+        assert arm.solve(arm.forward_kinematics(wound), seed=wound)
+        assert arm.solve(arm.forward_kinematics(q), arm_angle=-7.0)
 
 
 def test_roll_pitch_and_yaw_that_look_like_degrees_are_told():

@@ -159,6 +159,24 @@ def test_out_of_limits_is_inside_the_limits_and_truthful(name):
             assert on_limit.any()
 
 
+def test_the_message_names_what_else_than_the_pose_was_asked_for():
+    """Postures of the pose there are, as Pinocchio says, but none at this arm angle, or in this branch."""
+    arm = arms.load("human_arm")
+    pose = arm.forward_kinematics(0.5 * (arm.lower + arm.upper))
+    found = arm.intervals(pose)
+    psi = next(psi for psi in np.linspace(-np.pi, np.pi, 400) if not any(psi in interval for interval in found))
+    for asked, words in (
+        ({"arm_angle": psi}, "no posture at the arm angle asked for was found"),
+        ({"arm_angle": psi, "branch": 0}, "no posture in the branch and at the arm angle asked for was found"),
+    ):
+        solution = arm.solve(pose, **asked)
+        assert solution.status == "OUT_OF_LIMITS"
+        assert words in solution.message
+        assert arm.solve_batch([pose], **asked).message(0) == solution.message
+        assert arm.solve(pose, scene=srs_ik.Scene(), **asked).message == solution.message
+    assert "asked for" not in arm.solve(pose).message
+
+
 @given(limbs(limits=("narrow", "usual", "beyond", "mixed")))
 def test_statuses_of_random_limbs(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask, MissingLimits, quoted
-from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.numbers import real_array, what_is
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
@@ -157,8 +157,8 @@ def velocity_ellipsoid(J: ArrayLike, limit: ArrayLike | None = None, part: Part 
         MissingLimits: a limit is infinite, which means that the robot's description does not give it.
         InvalidTask: J, limit or part are malformed.
     """
-    weight = np.ones(7) if limit is None else _limit(limit, "velocity")
-    axes, values, rank = _principal(_jacobian(J)[..., rows_of(part), :] * weight)
+    rows = _jacobian(J)[..., rows_of(part), :]
+    axes, values, rank = _principal(rows * (np.ones(7) if limit is None else _limit(limit, "velocity")))
     return Ellipsoid("velocity", part, axes, values, rank)
 
 
@@ -175,8 +175,8 @@ def force_ellipsoid(J: ArrayLike, limit: ArrayLike | None = None, part: Part = "
         MissingLimits: a limit is infinite, which means that the robot's description does not give it.
         InvalidTask: J, limit or part are malformed.
     """
-    weight = np.ones(7) if limit is None else _limit(limit, "effort")
-    axes, values, rank = _principal(_jacobian(J)[..., rows_of(part), :] / weight)
+    rows = _jacobian(J)[..., rows_of(part), :]
+    axes, values, rank = _principal(rows / (np.ones(7) if limit is None else _limit(limit, "effort")))
     reciprocals = np.divide(1.0, values, out=np.full_like(values, np.inf), where=values > 0.0)
     return Ellipsoid("force", part, axes, reciprocals, rank)
 
@@ -303,6 +303,8 @@ def _halves(size: int) -> list[slice]:
 
 def _jacobian(J: ArrayLike) -> Array:
     expected = "J must be a Jacobian, 6 x 7, or N of them"
+    if hasattr(J, "jacobian"):
+        raise InvalidTask(f"{expected}, not {type(J).__name__}; arm.jacobian(q) gives it")
     array = _numbers(J, expected)
     if array.ndim not in (2, 3) or array.shape[-2:] != (6, 7):
         raise InvalidTask(f"{expected}, not an array of shape {array.shape}")
@@ -315,7 +317,7 @@ def _limit(limit: ArrayLike, kind: str) -> Array:
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (7,) or not (array > 0.0).all():
-        raise InvalidTask("limit must be 7 positive numbers, one for each joint")
+        raise InvalidTask(f"limit must be 7 positive numbers, one for each joint, not {quoted(limit)}")
     if not np.isfinite(array).all():
         raise MissingLimits(kind, [f"joint {i}" for i in np.flatnonzero(np.isinf(array)) + 1])
     return array
@@ -338,7 +340,7 @@ def _numbers(value: ArrayLike, expected: str) -> Array:
     try:
         array = real_array(value)
     except (TypeError, ValueError):
-        raise InvalidTask(f"{expected}, not {type(value).__name__}") from None
+        raise InvalidTask(f"{expected}, not {what_is(value)}") from None
     if not np.isfinite(array).all():
         raise InvalidTask(f"{expected}, but has entries that are not finite numbers")
     return array

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.analysis.ellipsoids import RANK_TOLERANCE, UNITS, limits_of, rows_of
 from srs_ik.analysis.gravity import gravity_torque
-from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra
+from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra, quoted
 from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import as_joint_vector, as_positive
 from srs_ik.kinematics import ChainKinematics, check_arm
@@ -334,7 +334,7 @@ def _seven(values: Any, what: str) -> Array:
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (7,) or not np.isfinite(array).all():
-        raise InvalidTask(f"{what} must be 7 finite numbers, one for each joint")
+        raise InvalidTask(f"{what} must be 7 finite numbers, one for each joint, not {quoted(values)}")
     return array
 
 

@@ -92,3 +92,5 @@ def warn_in_one_line() -> None:
         print(f"srs-ik: {message}", file=sys.stderr)
 
     warnings.showwarning = show  # type: ignore[assignment]
+    # Of options and files, `poses.warn_of_degrees` says so, with their names and the remedy.
+    warnings.filterwarnings("ignore", r"(the arm angle is in radians|(q|seed) has joint \d more than a turn)")

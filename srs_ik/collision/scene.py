@@ -63,7 +63,7 @@ class Scene:
     ``scene=`` keep clear of it by its margin and that of the question together.
 
     Boxes and cylinders count as convex solids between planes; where a sphere comes to their edges and corners they keep
-    it farther away than need be, by less than a tenth of its radius. Capsules are rows of spheres, meshes are covered
+    it farther away than need be, by less than an eighth of its radius. Capsules are rows of spheres, meshes are covered
     by spheres, and points are spheres.
 
     Args:

@@ -15,7 +15,9 @@ FARTHEST_POINT = 1e6
 """The farthest point, m; squares of it are far from the ends of floats."""
 
 
-def as_elbow(elbow: Any, n: int | None = None) -> tuple[float | None, Array]:
+def as_elbow(
+    elbow: Any, n: int | None = None, what: str = "a point (3,), m, or an arm angle, rad"
+) -> tuple[float | None, Array]:
     """An arm angle, rad, and no points; or None, and points: (1, 3) one for all, or (n, 3) one a pose.
 
     Raises:
@@ -31,7 +33,7 @@ def as_elbow(elbow: Any, n: int | None = None) -> tuple[float | None, Array]:
     if points.shape != (1, 3) and points.shape != (n, 3):
         several = "" if n is None or n == 1 else f", or {n} points"
         given = quoted(elbow) if array.size <= 4 else f"an array of shape {array.shape}"
-        raise InvalidConfiguration(f"elbow must be a point (3,), m, or an arm angle, rad{several}, not {given}")
+        raise InvalidConfiguration(f"elbow must be {what}{several}, not {given}")
     if not np.abs(points).max(initial=0.0) <= FARTHEST_POINT:
         raise InvalidConfiguration(f"elbow must be a point of finite numbers, up to {FARTHEST_POINT:g} m")
     return None, points

@@ -45,6 +45,42 @@ def real_number(value: Any) -> float:
         return math.nan
 
 
+def what_is(values: Any) -> str:
+    """What was given in place of numbers or of an array of another shape, for the end of a message."""
+    if values is None or isinstance(values, str | bytes):
+        return quoted(values)
+    try:
+        raw = np.asarray(values)
+    except Exception:  # of the object's own making
+        return "lists of different lengths" if isinstance(values, list | tuple) else type(values).__name__
+    if raw.dtype.kind not in _REAL:
+        kinds = {"c": "complex numbers", "U": "text", "S": "text"}
+        return kinds.get(raw.dtype.kind, f"an array of {raw.dtype}")
+    if raw.dtype == object:
+        odd = [each for each in raw.flat if math.isnan(real_number(each))]
+        if odd:
+            return f"{type(values).__name__}{f' with {quoted(odd[0])} in it' if raw.ndim else ''}"
+    return f"an array of shape {raw.shape}" if raw.ndim else quoted(values)
+
+
+def per_joint(given: Any, what: str, most: float, endless: bool = False) -> Array:
+    """(7,) positive figures up to `most`, of one for all joints or of 7; `endless`: inf stands for none.
+
+    Raises:
+        InvalidConfiguration: anything else; `what` names it.
+    """
+    try:
+        values = real_array(given)
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    good = (values > 0.0) & ((values <= most) | (endless & np.isinf(values)))
+    if values.shape not in ((), (7,)) or not good.all():
+        none = " (inf: none)" if endless else ""
+        expected = f"{what} must be a positive number{none}, or 7 of them, one a joint, {most:g} at most"
+        raise InvalidConfiguration(f"{expected}; not {what_is(given) if values.size != 7 else quoted(given)}")
+    return np.full(7, values)
+
+
 def as_flag(value: Any, what: str, error: type[SrsIkError] = InvalidConfiguration) -> bool:
     """True or False, of Python or NumPy: text such as "no" would be true. Raises the error, which `what` begins."""
     if value is True or value is False:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, InvalidPose, SrsIkError, quoted
+from srs_ik.errors import InvalidConfiguration, InvalidPose, SrsIkError, quoted, warn_caller
 from srs_ik.inputs.messages import pose_matrix
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.numbers import real_array, real_number, what_is
 from srs_ik.inputs.rotations import Order, checked_order, quaternion_of
 from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.answer import FARTHEST, NOT_A_ROTATION, NOT_FINITE, TOO_FAR
@@ -31,15 +32,31 @@ LARGEST_GRAVITY = 1e6
 FARTHEST_SEED = 300.0
 """So far outside its limits a joint of a seed may be, rad; one that is farther was hardly meant in radians."""
 
+TURN = 2.0 * math.pi
+FAR = 4.0 * TURN
+"""Arm angles beyond four turns, rad, are probably degrees; of joint angles whose norm is more, each is looked at."""
+
+_TURNS = "the arm angle is in radians, and is more than four turns: are these degrees?"
+
 FARTHEST_FROM_ROTATION = 0.1
 """How much a matrix may stretch to be taken for a rotation with errors."""
 
+_OF_QUATERNION = "pose_from_xyz_quaternion(xyz, quaternion, order=...) makes one of position and quaternion"
 _MAKERS = {
     (3,): "; pose_from_xyz_rpy(xyz, [0, 0, 0]) makes one of a position",
     (6,): "; pose_from_xyz_rpy(xyz, rpy) makes one of two vectors",
-    (7,): "; pose_from_xyz_quaternion(xyz, quaternion, order=...) makes one of two vectors",
+    (7,): f"; {_OF_QUATERNION}",
+    (4, 4): "; [pose] is a list of one",
+    (3, 3): "; pinocchio.SE3(R, xyz) makes one of a rotation and a position",
 }
 """What makes a pose of an array of another shape."""
+
+_MANY_POSES = "; solve_batch, intervals_batch, reachable_batch and solve_path take many"
+_MANY = {
+    "q": "; forward_kinematics_batch and jacobian_batch take many",
+    "seed": "; solve_batch takes one for each pose",
+}
+"""What takes N times 7 joint angles where one argument takes 7."""
 
 
 class PoseError(NamedTuple):
@@ -79,12 +96,13 @@ def as_matrices(poses: Any) -> Array:
     if not isinstance(poses, np.ndarray) and not isinstance(poses, pin.SE3):
         listed = getattr(poses, "poses", poses)
         try:
-            if isinstance(listed, str | bytes):
+            if isinstance(listed, str | bytes | Mapping):
                 raise TypeError
-            each = iter(listed)
-        except TypeError:
-            raise InvalidPose(f"poses are an (N, 4, 4) array or a list of poses, not {type(poses).__name__}") from None
-        poses = list(each)
+            each = list(listed)
+        except Exception:  # of the object's own making
+            said = f"poses are an (N, 4, 4) array or a list of poses, not {what_is(poses)}"
+            raise InvalidPose(f"{said}{_maker(poses)}") from None
+        poses = each
         if any(isinstance(pose, pin.SE3) or _is_message(pose) for pose in poses):
             poses = np.stack([as_matrix(pose) for pose in poses])
         elif not poses:
@@ -143,11 +161,23 @@ def _floats(values: Any, shape: tuple[int | None, ...], what: str) -> Array:
     try:
         array = values if _is_plain(values) else real_array(values)
     except (TypeError, ValueError):
-        raise InvalidPose(f"{what}, not {type(values).__name__}") from None
+        raise InvalidPose(f"{what}, not {what_is(values)}{_maker(values)}") from None
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
-        hint = _MAKERS.get(array.shape, "")
-        raise InvalidPose(f"{what}, not an array of shape {array.shape}{hint}")
+        raise InvalidPose(f"{what}, not {what_is(values)}{_maker(values, array.shape)}")
     return array
+
+
+def _maker(values: Any, shape: tuple[int, ...] = ()) -> str:
+    """What makes a pose of what was given, or takes it, as the end of a message."""
+    if isinstance(values, list | tuple) and any(isinstance(each, pin.SE3) or _is_message(each) for each in values):
+        return _MANY_POSES
+    if shape[1:] == (4, 4):
+        return _MANY_POSES
+    if isinstance(values, pin.SE3):
+        return _MAKERS[4, 4]
+    if isinstance(values, Mapping) or all(hasattr(values, axis) for axis in "xyzw"):
+        return f"; {_OF_QUATERNION}"
+    return _MAKERS.get(shape, "")
 
 
 def invalid_pose(verdict: int, where: str = "") -> InvalidPose:
@@ -169,17 +199,43 @@ def refuse_bad_poses(verdicts: NDArray[np.signedinteger]) -> None:
         raise invalid_pose(int(verdicts[bad]), f" {bad} of {len(verdicts)}")
 
 
-def as_joint_vector(q: ArrayLike, what: str = "q") -> Array:
-    """Seven finite joint angles as a (7,) array of floats; raises InvalidConfiguration for anything else."""
+def as_joint_vector(q: ArrayLike, what: str = "q", limits: tuple[Array, Array] | None = None) -> Array:
+    """Seven finite joint angles as a (7,) array of floats; raises InvalidConfiguration for anything else.
+
+    With limits, (7,) lower and (7,) upper, rad, a warning says where angles look like degrees.
+    """
     try:
         array = real_array(q)
     except (TypeError, ValueError):
-        raise InvalidConfiguration(f"{what} must be 7 joint angles, not {type(q).__name__}") from None
+        raise _no_angles(f"{what} must be 7 joint angles", q) from None
     if array.shape != (7,):
-        raise InvalidConfiguration(f"{what} must be 7 joint angles, not an array of shape {array.shape}")
-    if not math.isfinite(math.hypot(*array.tolist())):
-        raise InvalidConfiguration(f"{what} has entries that are not finite numbers")
+        many = _MANY.get(what, "") if array.ndim == 2 and array.shape[1] == 7 else ""
+        raise _no_angles(f"{what} must be 7 joint angles", q, many)
+    norm = math.hypot(*array.tolist())
+    if not norm < FAR:
+        if not math.isfinite(norm):
+            raise InvalidConfiguration(f"{what} has entries that are not finite numbers")
+        if limits is not None:
+            _warn_of_degrees(array, what, *limits)
     return array
+
+
+def _no_angles(expected: str, given: Any, many: str = "") -> InvalidConfiguration:
+    """The error where joint angles are expected, with where they are in what was given."""
+    hint = many
+    if isinstance(given, Mapping) or (hasattr(given, "name") and hasattr(given, "position")):
+        hint = "; arm.joint_vector(state) takes them out of a joint state"
+    elif hasattr(given, "q"):
+        hint = "; give its q"
+    return InvalidConfiguration(f"{expected}, not {what_is(given)}{hint}")
+
+
+def _warn_of_degrees(angles: Array, what: str, lower: Array, upper: Array) -> None:
+    """Warn of joint angles (..., 7), where one is more than a turn outside the limits of its joint."""
+    outside = np.maximum(lower - angles, angles - upper).reshape(-1, 7).max(axis=0)
+    if outside.max() > TURN:
+        joint = int(outside.argmax()) + 1
+        warn_caller(f"{what} has joint {joint} more than a turn outside its limits, in radians: are these degrees?")
 
 
 def as_bounded_joint_vector(q: ArrayLike) -> Array:
@@ -196,13 +252,13 @@ def as_joint_vectors(q: Any, what: str = "q") -> Array:
         InvalidConfiguration: not N x 7, not numbers, not finite, or beyond `LARGEST_ANGLE`.
     """
     try:
-        array = q if _is_plain(q) else real_array(q if isinstance(q, np.ndarray | str) else list(q))
+        array = q if _is_plain(q) else real_array(q if isinstance(q, np.ndarray | str | Mapping) else list(q))
     except (TypeError, ValueError):
-        raise InvalidConfiguration(f"{what} must be N times 7 joint angles, not {type(q).__name__}") from None
+        raise _no_angles(f"{what} must be N times 7 joint angles", q) from None
     if array.shape == (0,):
         return np.empty((0, 7))
     if array.ndim != 2 or array.shape[1] != 7:
-        raise InvalidConfiguration(f"{what} must be N times 7 joint angles, not an array of shape {array.shape}")
+        raise _no_angles(f"{what} must be N times 7 joint angles", q)
     refuse_bad_angles(array, what)
     return array
 
@@ -217,7 +273,7 @@ def refuse_bad_angles(angles: Array, what: str) -> None:
 
 
 def refuse_far_seeds(seeds: Array, lower: Array, upper: Array) -> None:
-    """Raise the error for seeds (..., 7) that are nowhere near the joint limits (7,), rad.
+    """Raise the error for seeds (..., 7) that are nowhere near the joint limits (7,), rad, or warn of degrees.
 
     Raises:
         InvalidConfiguration: a joint is outside them by more than `FARTHEST_SEED`, or beyond `LARGEST_ANGLE`.
@@ -229,6 +285,7 @@ def refuse_far_seeds(seeds: Array, lower: Array, upper: Array) -> None:
         raise InvalidConfiguration(
             f"seed has joint {joint + 1} {outside[joint]:.6g} rad outside its limits; angles are in radians"
         )
+    _warn_of_degrees(seeds, "seed", lower, upper)
 
 
 def as_seed(seed: ArrayLike, lower: Array, upper: Array) -> Array:
@@ -238,7 +295,9 @@ def as_seed(seed: ArrayLike, lower: Array, upper: Array) -> Array:
         InvalidConfiguration: not seven finite angles, or nowhere near the limits.
     """
     array = as_joint_vector(seed, "seed")
-    if math.hypot(*array.tolist()) > FARTHEST_SEED:
+    norm = math.hypot(*array.tolist())
+    # Joints without end may be many turns away, and are not to wait for what lies far outside its limits.
+    if norm > FAR and (norm > FARTHEST_SEED or max((lower - array).tolist() + (array - upper).tolist()) > TURN):
         refuse_far_seeds(array, lower, upper)
     return array
 
@@ -256,7 +315,7 @@ def as_seeds(seeds: ArrayLike | None, n: int, lower: Array, upper: Array) -> Arr
     if seeds is None:
         return NO_SEEDS
     array = per_pose(seeds, (7,), n, "seed")
-    if array.size and max(-array.min(), array.max()) > FARTHEST_SEED:
+    if array.size and max(-array.min(), array.max()) > TURN:
         refuse_far_seeds(array, lower, upper)
     return array
 
@@ -290,24 +349,41 @@ def as_gravity(gravity: ArrayLike) -> Array:
     return array
 
 
-def as_arm_angle(arm_angle: float) -> float:
+def as_arm_angle(arm_angle: Any) -> float:
     """A finite arm angle up to `LARGEST_ANGLE`; raises InvalidConfiguration for anything else."""
     value = real_number(arm_angle)
-    if not abs(value) <= LARGEST_ANGLE:
-        given = quoted(arm_angle)
-        raise InvalidConfiguration(
-            f"the arm angle must be a finite number of radians, up to {LARGEST_ANGLE:g}, not {given}"
-        )
+    if not abs(value) <= FAR:
+        if not abs(value) <= LARGEST_ANGLE:
+            given = quoted(arm_angle)
+            many = "; solve_batch takes one for each pose" if isinstance(arm_angle, list | tuple | np.ndarray) else ""
+            raise InvalidConfiguration(
+                f"the arm angle must be a finite number of radians, up to {LARGEST_ANGLE:g}, not {given}{many}"
+            )
+        warn_caller(_TURNS)
     return value
 
 
-def as_branch(branch: int | None) -> int:
+def as_branch(branch: Any) -> int:
     """A branch number from 0 to 7, or -1 for any; raises InvalidConfiguration for anything else."""
     if branch is None:
         return -1
     if isinstance(branch, bool | np.timedelta64) or not isinstance(branch, int | np.integer) or not 0 <= branch <= 7:
-        raise InvalidConfiguration(f"a branch is an integer from 0 to 7, not {quoted(branch)}")
+        many = "; solve_batch takes one for each pose" if isinstance(branch, list | tuple | np.ndarray) else ""
+        raise InvalidConfiguration(f"a branch is an integer from 0 to 7, not {quoted(branch)}{many}")
     return int(branch)
+
+
+def as_branches(branches: Any, n: int) -> NDArray[np.int64]:
+    """Branch numbers (n,) from 0 to 7; raises InvalidConfiguration for anything else."""
+    try:
+        array = np.asarray(branches)
+    except ValueError:
+        array = np.empty(0, object)
+    if array.shape != (n,) or (n and array.dtype.kind not in "iu") or not ((array >= 0) & (array <= 7)).all():
+        raise InvalidConfiguration(
+            f"branch is an integer from 0 to 7, or {n} of them, one for each pose, not {quoted(branches)}"
+        )
+    return array.astype(np.int64)
 
 
 def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Array:
@@ -320,15 +396,21 @@ def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Arr
     try:
         array = value if _is_plain(value) else real_array(value)
     except (TypeError, ValueError):
-        array = np.full((), np.nan)
+        array = np.empty((0, 0))
     if array.shape == shape:
         array = array[None]
     if array.shape not in ((1, *shape), (n, *shape)):
-        expected = f"{shape} or {(n, *shape)}" if shape else f"a number or an array of {n}"
-        raise InvalidConfiguration(f"{what} must be finite, {expected}, not of shape {array.shape}")
-    # Two passes, and no other array of its size; a NaN is neither.
-    if array.size and not (array.min() >= -LARGEST_ANGLE and array.max() <= LARGEST_ANGLE):
-        refuse_bad_angles(array, what)
+        if shape:
+            raise _no_angles(f"{what} must be 7 joint angles, or {n} times 7, one row for each pose", value)
+        expected = f"a number of radians, or {n} of them, one for each pose"
+        raise InvalidConfiguration(f"{what} must be {expected}, not {what_is(value)}")
+    if array.size:
+        # Two passes, and no other array of its size; a NaN is neither.
+        lowest, highest = array.min(), array.max()
+        if not (lowest >= -LARGEST_ANGLE and highest <= LARGEST_ANGLE):
+            refuse_bad_angles(array, what)
+        if not shape and max(-lowest, highest) > FAR:
+            warn_caller(_TURNS)
     return array
 
 

@@ -92,5 +92,8 @@ def _numbers(values: ArrayLike, count: int, what: str) -> Array:
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (count,) or not np.isfinite(array).all():
-        raise InvalidPose(f"{what} is {count} finite numbers, not {quoted(values)}")
+        given = quoted(values)
+        if all(hasattr(values, axis) for axis in "xyzw"):
+            given = f"{type(values).__name__}; [q.x, q.y, q.z, q.w] are, in the order 'xyzw'"
+        raise InvalidPose(f"{what} is {count} finite numbers, not {given}")
     return array

@@ -31,6 +31,9 @@ from srs_ik.system.forks import whole
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
+_ELSEWHERE = "; other arms are for packages such as ssik, or Pinocchio with Pink (docs/peers.md)"
+"""Follows where a robot has no limb at all."""
+
 
 @whole
 def load(
@@ -246,7 +249,8 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
         names = [skeleton.joint_names[joint] for joint in run]
         longest = f"; the longest has {len(run)}: {listed(names)}{_interrupted(skeleton, mimic, run)}" if run else ""
         locked = f"; {listed(list(description.locked))} cannot be of it, as locked" if description.locked else ""
-        return NotAnSrsLimb(f"{source}: {where} has no chain of 7 consecutive revolute joints{longest}{locked}", names)
+        none = f"{source}: {where} has no chain of 7 consecutive revolute joints"
+        return NotAnSrsLimb(f"{none}{longest}{locked}{_ELSEWHERE if base is None else ''}", names)
     joints = _way(skeleton, base, tip)
     names = [skeleton.joint_names[joint] for joint in joints]
     where = f"between base {base!r} and tip {tip!r}" if base is not None else f"on the way to the tip {tip!r}"
@@ -286,7 +290,7 @@ def _refused(description: Description, candidates: Sequence[Candidate]) -> NotAn
             f"none of {len(candidates)} chains of 7 revolute joints is an S-R-S limb; nearest to one is "
             f"{report.base} -> {report.tip}: {report.explain()}"
         )
-    message = f"{description.robot.source}: {message}"
+    message = f"{description.robot.source}: {message}{_ELSEWHERE}"
     return NotAnSrsLimb(message, report.joint_names, report.misses_mm.tolist(), report.allowed_mm)
 
 

@@ -218,5 +218,7 @@ def _unknown(name: str) -> InvalidRobot:
     described = {described.removesuffix(DESCRIPTION): described for described in described_names()}
     hint = did_you_mean(described.get(name, name), [*known, *described.values()])
     return InvalidRobot(
-        f"{quoted(name)} is neither a file nor the name of a robot{hint}; there are {listed(known)}", name
+        f"{quoted(name)} is neither a file nor the name of a robot{hint}; there are {listed(known)}; "
+        f"others have a path, or NAME{DESCRIPTION}",
+        name,
     )

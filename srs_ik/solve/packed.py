@@ -16,7 +16,7 @@ from srs_ik.kernels.layout import weights as weight_at
 from srs_ik.kernels.native import limb_mark
 from srs_ik.robot.limb import CLOSED_MISS, Hand, SrsLimb, Vector, line_foot
 from srs_ik.solve.bands import put_bands
-from srs_ik.solve.solution import ElbowRange
+from srs_ik.solve.solution import ASKED, ElbowRange
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
@@ -61,13 +61,19 @@ class PackedArm:
     hand: Vector  # (HAND,) the packed hand, see `pack_hand`
     weights: Vector  # (WEIGHTS,) the packed masses, see `pack_weights`
     shoulder: Vector  # (3,) shoulder centre in the base frame, metres
-    elbow: ElbowRange  # where the elbow is straight, and its limits
+    told: tuple[ElbowRange, ...]  # where the elbow is straight, and its limits, with each of `ASKED`
     closed: bool  # whether the closed form of the limb is the answer, without a correction on the true chain
+
+    @property
+    def elbow(self) -> ElbowRange:
+        """For answers to a pose alone."""
+        return self.told[0]
 
 
 def pack_arm(arm: ChainKinematics, limb: SrsLimb, hand: Hand | None) -> PackedArm:
     """What kernels know of an arm: its 7 joints, the limb recognised in them, and the axes of the hand, where known."""
     family = pack_family(limb, arm.lower, arm.upper)
+    straight = float(family[at.LIMITED, at.STRAIGHT])
     return PackedArm(
         name=arm.name,
         tip=arm.tip,
@@ -79,7 +85,7 @@ def pack_arm(arm: ChainKinematics, limb: SrsLimb, hand: Hand | None) -> PackedAr
         hand=pack_hand(limb, hand),
         weights=pack_weights(arm),
         shoulder=limb.shoulder,
-        elbow=ElbowRange(float(family[at.LIMITED, at.STRAIGHT]), float(arm.lower[3]), float(arm.upper[3])),
+        told=tuple(ElbowRange(straight, float(arm.lower[3]), float(arm.upper[3]), asked) for asked in ASKED),
         closed=bool(family[at.LIMITED, at.IS_CLOSED]),
     )
 

@@ -44,13 +44,15 @@ def solve(
     near = NO_SEED if seed is None else as_seed(seed, arm.lower, arm.upper)
     respect_limits = bool(respect_limits)
     if arm_angle is None:
+        told = arm.told[0 if chosen < 0 else 2]
         verdict = entries.solve(arm.family, T, chosen, near, seed is not None, respect_limits, row)
     else:
+        told = arm.told[1 if chosen < 0 else 3]
         psi = as_arm_angle(arm_angle)
         verdict = entries.solve_at(arm.family, T, psi, chosen, near, seed is not None, respect_limits, row)
     if verdict:
         raise invalid_pose(verdict)
-    return Solution(row, arm.joint_names, arm.elbow)
+    return Solution(row, arm.joint_names, told)
 
 
 def lead(
@@ -121,4 +123,5 @@ def solve_batch(
 
     run_in_threads(work, n, threads)
     refuse_bad_poses(verdicts)
-    return BatchSolution(out.reshape(n, 8, ROW) if all_branches else out, arm.joint_names, arm.elbow)
+    told = arm.told[(psis is not None) + 2 * (chosen >= 0)]
+    return BatchSolution(out.reshape(n, 8, ROW) if all_branches else out, arm.joint_names, told)

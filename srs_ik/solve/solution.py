@@ -65,6 +65,10 @@ _ON_THE_SPOT = 1e-6
 """A joint this near to an angle, rad, is at it."""
 
 
+ASKED = "", " at the arm angle asked for", " in the branch asked for", " in the branch and at the arm angle asked for"
+"""What a pose was asked with, for messages."""
+
+
 class ElbowRange(NamedTuple):
     """What joint 4 can do; with it, the message of an answer out of reach says how the arm lies."""
 
@@ -74,6 +78,8 @@ class ElbowRange(NamedTuple):
     """Lower limit, rad; -inf where continuous."""
     upper: float
     """Upper limit, rad; inf where continuous."""
+    asked: str = ASKED[0]
+    """What else than the pose an answer was to have."""
 
 
 class Collision(NamedTuple):
@@ -143,16 +149,21 @@ class Solution:
             return f"Solved in branch {self.branch} at arm angle {round(self.arm_angle, 9) + 0.0:.6g} rad, to {errors}."
         if self.status is Status.UNREACHABLE:
             unit = " Positions are in metres: is this one in millimetres?" if self.position_error > _FAR else ""
-            return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}.{unit}"
+            none = f"No posture{self._asked()} was found that reaches the pose"
+            return f"{none}; the one given{self._lie()} misses it by {self._miss()}.{unit}"
         if self.status is Status.COLLISION:
             return f"Postures inside the limits reach the pose, but each hits something{self._hit()}."
         joint = int(self._row[at.ROW_JOINT])
         stop = f" stops at {np.rad2deg(self.q[joint - 1]):.6g} deg"
         where = f"; {self._joint_names[joint - 1]}{stop}" if joint else ""
         return (
-            "The pose is within reach, but no posture sought keeps the joint limits"
+            f"The pose is within reach, but no posture{self._asked()} was found that keeps the joint limits"
             f"{where}, and the posture given misses it by {self._miss()}."
         )
+
+    def _asked(self) -> str:
+        """What else than the pose was asked for."""
+        return "" if self._elbow is None else self._elbow.asked
 
     def _hit(self) -> str:
         """What hits what, as the end of a sentence."""

@@ -201,7 +201,8 @@ def solve_batch(
     if psis is None and around.in_closed_form:
         return _in_kernels(around, T, wanted, seeds, respect, threads)
     run_in_threads(work, n, threads)
-    return BatchSolution(rows if all_branches else rows[:, 0], arm.joint_names, arm.elbow, hits)
+    told = arm.told[(psis is not None) + 2 * (wanted >= 0)]
+    return BatchSolution(rows if all_branches else rows[:, 0], arm.joint_names, told, hits)
 
 
 def _in_kernels(
@@ -228,7 +229,7 @@ def _in_kernels(
 
     left = np.flatnonzero(rows[:, ROW_STATUS] != Status.OK)
     run_in_threads(rest, len(left), threads)
-    return BatchSolution(rows, arm.joint_names, arm.elbow, hits)
+    return BatchSolution(rows, arm.joint_names, arm.told[0 if branch < 0 else 2], hits)
 
 
 def intervals_batch(around: Surroundings, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
+from srs_ik.inputs.numbers import per_joint
 from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.kernels.layout.path import (
@@ -55,6 +56,9 @@ MOVED = 1e-3
 
 CLOSING_ROOM = 0.0, 1e-6, 1e-4
 """Parts of the velocity limits that are left, one after the other, to what takes postures to their poses."""
+
+MOST_ACCELERATION = 1e9
+"""rad/s^2; as for trackers."""
 
 ON_POSE = 1e-6
 """A posture that is given may miss its pose by so much, m and rad."""
@@ -114,10 +118,7 @@ def _acceleration(limit: ArrayLike | None, objective: str) -> Array | None:
         return None
     if objective != TIME:
         raise InvalidConfiguration(f"acceleration_limit goes with objective={TIME!r}, not with {objective!r}")
-    found = as_joint_vector(limit, "acceleration_limit")
-    if not (found > 0.0).all():
-        raise InvalidConfiguration("acceleration_limit takes positive figures, rad/s^2")
-    return found
+    return per_joint(limit, "acceleration_limit", MOST_ACCELERATION)
 
 
 def problem_of(

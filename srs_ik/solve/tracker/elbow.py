@@ -28,6 +28,8 @@ LOOK = (-0.24, -0.12, 0.0, 0.12, 0.24)
 GAIN = 1e-4
 """The elbow goes elsewhere for so much more clearance, m."""
 
+CHOICES = '"keep", an arm angle, rad, a point (3,), m, a built-in Objective or its name, a Task or a Scene'
+
 Chosen = tuple[float, float, Array]
 """Number of a policy, its arm angle, and the parameters of its objective."""
 
@@ -49,11 +51,14 @@ def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Cal
         elbow = Objective(elbow)
     if isinstance(elbow, Objective):
         if elbow.kind is None or elbow.second >= 0:
-            raise InvalidTask(f"a tracker follows objectives that kernels compute, one at a time, not {elbow.name!r}")
+            raise InvalidTask(
+                f"a tracker's elbow follows built-in objectives of one value, not {elbow.name!r}; for any other, "
+                "elbow takes the arm_angle of what optimise finds"
+            )
         return (float(elbow.kind), 0.0, elbow.packed(owner, packed.weights, True)), None
     if _is_scene(elbow):
         return (at.KEEP, 0.0, none), _Clearance(packed, owner, elbow)
-    psi, point = as_elbow(elbow)
+    psi, point = as_elbow(elbow, what=CHOICES)
     if psi is None:
         return (at.KEEP, 0.0, none), _Towards(packed, point)
     return (at.ANGLE, psi, none), None

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from srs_ik.errors import InvalidConfiguration, InvalidPose, MissingLimits, quoted
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.numbers import per_joint, real_number
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_matrix, as_positive, as_rigid_matrix
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
@@ -432,18 +432,7 @@ def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Arra
             names = [packed.joint_names[j] for j in np.flatnonzero(missing)]
             raise MissingLimits("velocity", names, packed.name)
         return _kept(np.minimum(default, MOST[what]))
-    try:
-        values = real_array(given)
-    except (TypeError, ValueError):
-        values = np.full(0, np.nan)
-    good = (values > 0.0) & (endless | (values < np.inf))
-    good &= (values <= MOST[what]) | (endless & np.isinf(values))
-    if values.shape not in ((), (7,)) or not good.all():
-        none = " (inf: none)" if endless else ""
-        raise InvalidConfiguration(
-            f"{what} must be a positive number{none}, or 7 of them, one a joint; {MOST[what]:g} at most"
-        )
-    return _kept(np.full(7, values))
+    return _kept(per_joint(given, what, MOST[what], endless))
 
 
 def _kept(figures: Array) -> Array:
