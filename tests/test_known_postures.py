@@ -1360,3 +1360,14 @@ def test_arm_angles_of_almost_flat_elbows_are_met(robot):
             assert inside(solution.q, arm.lower, arm.upper)
             asked += 1
     assert asked > 0
+
+
+def test_a_posture_between_two_limits_is_in_an_interval_where_the_elbow_is_almost_folded(bench):
+    """One joint comes in at the arm angle where another goes out; what was looked at was farther off than thought."""
+    arm, _ = next(islice(subjects()["arms_of"]("random_rounded", 1000, 22100106), 65, None))
+    q = "1.7551844651575452 -3.256247765856609 3.4700406135626105 3.135274764068097 0.8645745312505797"
+    q = np.array(f"{q} 3.5426702070960854 1.6821017689376854".split(), float)
+    pose, psi, branch = arm.forward_kinematics(q), arm.arm_angle(q), arm.branch(q)
+    away = [max(i.lower - psi, psi - i.upper) for i in arm.intervals(pose) if i.branch == branch]
+    assert min(away) < 1e-9
+    assert_intervals_are_met(bench, arm, q)

@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, larger, scatter, 
 from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
-from srs_ik.kernels.chain.newton_eight import PROBED, close_in_planes, half_planes
+from srs_ik.kernels.chain.newton_eight import NOTHING, PROBED, close_in_planes, half_planes
 from srs_ik.kernels.curves.ends import beyond_limits
 from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.jit import kernel
@@ -56,6 +56,9 @@ SMALLEST_GAP = 1e-9
 UNSURE = 2.0 * PROBED
 """Points tell no more closely than this, rad, how far a joint is outside its limits."""
 
+BENT = 0.05
+"""They do so while the elbow's bend has a sine above this; below it, steps are taken until they are nothing."""
+
 TOUCHING = 5e-13
 """Where joints are outside their limits by less than this, rad, rounding alone keeps them there."""
 
@@ -90,8 +93,10 @@ def close_points(P, target, points, n):
     """Close eight points from row n on at their arm angles, and tell their rates; whether all are met."""
     R, p, place_ = target
     rows = row(points, n)
+    # A bend this small makes of what a last step leaves more than points may be off.
+    short = PROBED if place_[3] > BENT else NOTHING
     planes = half_planes(place_[0], place_[1], turn(gather(rows, POINT_PSI, POINT)))
-    q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, (STEPS, PROBED))
+    q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, (STEPS, short))
     put_eight(rows, POINT, ALL, q)
     for j in range(7):
         scatter(rows, POINT_RATES + j, POINT, rates[j])

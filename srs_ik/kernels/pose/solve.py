@@ -29,6 +29,7 @@ from srs_ik.kernels.limb.triangle import place, read_target
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
+from srs_ik.kernels.pose.equals import closest_of_equals, may_have_equals
 from srs_ik.kernels.pose.intervals import is_feasible
 from srs_ik.kernels.pose.on_limits import BARELY, is_at_angle, put_on_limits
 from srs_ik.kernels.pose.search import going_on, going_on_in_branch, search_exact, search_near_seed
@@ -116,6 +117,8 @@ def solve_row(family, T, branch, goal, J, A, out):
     if verdict != at.GOOD_POSE:
         return verdict
     q, best, lowest = best_posture(family, target, branch, goal, J, A)
+    if may_have_equals(P, target, branch, lowest, goal):
+        q, best, lowest = closest_of_equals(P, target, (q, best, lowest), goal, J)
     measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
     if P[IS_NEAR] != 0.0 and branch < 0 and lowest >= UNMET and out[at.ROW_STATUS] == at.OUT_OF_LIMITS:
         # Its nearest exact limb reaches the pose; it does not, limits or not.
@@ -178,6 +181,8 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
         F = row(family, LIMITED if goal.respect else FREE)
         if is_closer(P, clipped(F, q), clipped(F, found[0]), target, J):
             found = (q, own_branch, found[2])
+    if may_have_equals(P, target, branch, found[2], goal):
+        found = closest_of_equals(P, target, found, goal, J)
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
     return at.GOOD_POSE
 
