@@ -311,11 +311,11 @@ class Arm(BodyOwner):
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; inf for none, where a
                 joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.1 s.
-            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, a point (3,) in the
-                base frame, m, such as a measured elbow, to which it comes as near as it can, a built-in `Objective` of
-                one value (no lexicographic one, no function of one's own) or its name ("limit_margin" for farthest from
-                the limits) that it follows downhill, a `Task`, whose force and velocity it serves, or a `Scene`, from
-                whose bodies it keeps away.
+            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, a point (3,) in
+                the base frame, m, such as a measured elbow, to which it comes as near as it can, a built-in `Objective`
+                of one value (no lexicographic one, no function of one's own) or its name ("limit_margin" for farthest
+                from the limits) that it follows downhill, a `Task`, whose force and velocity it serves, or a `Scene`,
+                from whose bodies it keeps away.
             smoothing: time constant of a filter that takes jitter from the target, seconds, 0 for none; if not given,
                 as long as the noise of the target asks for, which is measured: none where there is none.
             jerk: the largest, one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes

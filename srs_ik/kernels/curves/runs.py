@@ -181,13 +181,13 @@ def sample_branch(P, by, branch, ends, work, line):
 def unroll(P, by, rows, curve, line):
     """Copy a followed curve to line, a closed one from its posture farthest outside the limits on; rows in use.
 
-    Where limits count, the gaps between them get samples of their own. Nothing that dips into the limits is cut there.
+    The gaps between limits get samples of their own. Nothing that dips into the limits is cut there.
     """
     first = int(curve[0])
     count = int(curve[1]) - first
     start = 0
     off = np.empty((rows.shape[0], 1))
-    put_infeasibilities(P, Samples(rows, first, first + count), by.respect, off)
+    put_infeasibilities(P, Samples(rows, first, first + count), True, off)
     if curve[2] == 1.0:
         worst = 0.0
         for i in range(count - 1):
@@ -206,7 +206,7 @@ def unroll(P, by, rows, curve, line):
             round_ = length
         here = rows[first + j, 0] + round_, load_sample(rows[first + j]), way_of_sample(rows[first + j])
         next_f = off[first + j, 0]
-        if by.respect and i > 0 and may_meet(f, next_f, ARC * (here[0] - before[0])):
+        if i > 0 and may_meet(f, next_f, ARC * (here[0] - before[0])):
             for k in range(put_gaps(P, by, before[:2], here[:2], gaps, 0)):
                 gap = gaps[k, 0], load_sample(gaps[k]), NO_SEED
                 n = put_bounds(P, by, before, gap, turns, line, n)
@@ -240,8 +240,14 @@ def survey_curves(P, by, rows, curves, line, out):
     """Sample the feasible postures of followed curves of a near limb: rows and runs in use."""
     used = (0, 0)
     for i in range(curves.shape[0]):
-        length = unroll(P, by, rows, curves[i], line)
-        used = cut(P, by, 0, Samples(line, 0, length), out, used)
+        if by.respect:
+            length = unroll(P, by, rows, curves[i], line)
+            used = cut(P, by, 0, Samples(line, 0, length), out, used)
+        else:
+            curve = Samples(rows, int(curves[i, 0]), int(curves[i, 1]))
+            begin, end = rows[curve.first], rows[curve.last - 1]
+            ends = (begin[0], load_sample(begin)), (end[0], load_sample(end))
+            used = put_run(P, False, 0, curve, ends, out, used)
     return used
 
 

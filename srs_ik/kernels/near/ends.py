@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import store7
-from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, one_of, scatter
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, one_of, scatter, where
 from srs_ik.kernels.algebra.pointers import copy, keep, read7, row
-from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
+from srs_ik.kernels.chain.eight import sines_of_eight, take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.curves.ends import beyond_any_of_eight, beyond_limits
@@ -25,9 +25,9 @@ from srs_ik.kernels.near.scan import (
     STRETCH_SCANNED,
     STRETCH_STATES,
     STRETCH_UPPER,
+    certain_eight,
     in_branches,
     inside_between,
-    put_certain,
 )
 
 MARGINS = 1e-9
@@ -75,10 +75,10 @@ def put_slacks(P, view, cuts):
             m = min(i + k, 2 * n - 1)
             rows[k, 7], rows[k, 8] = cuts[m // 2, 1 + m % 2], cuts[m // 2, 0]
         eight = row(rows, 0)
-        put_certain(P, view, eight, 9, (7, 8))
-        s2, _, s6 = sines_of_eight(P, take_eight(eight, 9))
+        q = certain_eight(P, view, eight, 9, (7, 8))
+        s2, _, s6 = sines_of_eight(P, q)
         for j in range(7):
-            off = beyond_limits(P, j, gather(eight, j, 9))
+            off = beyond_limits(P, j, q[j])
             scatter(eight, j, 9, off if j % 2 == 1 else off * abs(s2 if j < 3 else s6))
         for k in range(min(8, 2 * n - i)):
             m = i + k
@@ -162,13 +162,22 @@ def turn_ends(ends, first, n):
 
 
 @kernel
-def tell_starts(P, view, rows):
-    """Fill in the closed form's postures in eight ends, where they are not told."""
+def starts_of(P, view, rows):
+    """The postures from which eight ends are looked for: the closed form's, where they are not told."""
     told = take_eight(rows, END)
-    which = as_bits(told[0] < UNTOLD)
-    if which != ALL:
-        put_certain(P, view, rows, END, (END_PSI, END_BRANCH))
-        put_eight(rows, END, which, told)
+    is_told = told[0] < UNTOLD
+    if as_bits(is_told) == ALL:
+        return told
+    q = certain_eight(P, view, rows, END, (END_PSI, END_BRANCH))
+    return (
+        where(is_told, told[0], q[0]),
+        where(is_told, told[1], q[1]),
+        where(is_told, told[2], q[2]),
+        where(is_told, told[3], q[3]),
+        where(is_told, told[4], q[4]),
+        where(is_told, told[5], q[5]),
+        where(is_told, told[6], q[6]),
+    )
 
 
 @kernel
@@ -179,9 +188,8 @@ def correct_ends(P, view, ends, n):
             ends[i, j] = ends[n - 1, j]
     for first in range(0, n, 8):
         rows = row(ends, first)
-        tell_starts(P, view, rows)
         way = gather(rows, END_WAY, END)
-        q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, view.target, STEPS)
+        q, psi, met = to_limits(P, starts_of(P, view, rows), gather(rows, END_PSI, END), way, view.target, STEPS)
         met &= in_branches(sines_of_eight(P, q), gather(rows, END_BRANCH, END))
         # Next to a singularity another joint, on its way back inside, may still be outside there.
         met &= as_bits(beyond_any_of_eight(P, q) < JOINT_OUTSIDE)

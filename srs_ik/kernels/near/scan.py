@@ -89,14 +89,14 @@ def view_of(P, target):
 
 
 @kernel
-def close_points(P, target, points, n):
-    """Close eight points from row n on at their arm angles, and tell their rates; whether all are met."""
+def close_points(P, target, start, points, n):
+    """Close eight points from row n on at their arm angles, from a start, and tell their rates; whether all are met."""
     R, p, place_ = target
     rows = row(points, n)
     # A bend this small makes of what a last step leaves more than points may be off.
     short = PROBED if place_[3] > BENT else NOTHING
     planes = half_planes(place_[0], place_[1], turn(gather(rows, POINT_PSI, POINT)))
-    q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, (STEPS, short))
+    q, rates, met = close_in_planes(P, start, R, p, planes, (STEPS, short))
     put_eight(rows, POINT, ALL, q)
     for j in range(7):
         scatter(rows, POINT_RATES + j, POINT, rates[j])
@@ -107,19 +107,19 @@ def close_points(P, target, points, n):
 
 
 @kernel
-def put_certain(P, view, rows, width, columns):
-    """Write the closed form's postures into eight rows, in which two columns hold their arm angles and branches."""
+def certain_eight(P, view, rows, width, columns):
+    """The closed form's postures at eight rows, in which two columns hold their arm angles and branches."""
     psis, branches = gather(rows, columns[0], width), gather(rows, columns[1], width)
     c, s = turn(psis)
     q, _ = eight_postures(P, view.sides, branches, c, s)
-    put_eight(rows, width, ALL, q)
+    return q
 
 
 @kernel
 def put_points(P, view, points, n):
     """Fill in postures and rates of the eight points from row n on, at their arm angles; whether all are met."""
-    put_certain(P, view, row(points, n), POINT, (POINT_PSI, POINT_BRANCH))
-    return close_points(P, view.target, points, n)
+    start = certain_eight(P, view, row(points, n), POINT, (POINT_PSI, POINT_BRANCH))
+    return close_points(P, view.target, start, points, n)
 
 
 @kernel
@@ -134,13 +134,14 @@ def put_between(P, view, points, pairs, count, n):
         a, b = pairs[i % count, 0], pairs[i % count, 1]
         width = points[b, POINT_PSI] - points[a, POINT_PSI]
         # The cubic through both postures with their rates.
-        for j in range(7):
+        for j in range(0 if close else 7):
             rates = points[a, POINT_RATES + j] - points[b, POINT_RATES + j]
             half = 0.5 * short_way(points[b, j] - points[a, j])
             points[n + i, j] = points[a, j] + half + 0.125 * width * rates
         points[n + i, POINT_PSI] = points[a, POINT_PSI] + 0.5 * width
         points[n + i, POINT_BRANCH] = points[a, POINT_BRANCH]
-    return (not close and close_points(P, view.target, points, n)) or put_points(P, view, points, n)
+    met = not close and close_points(P, view.target, take_eight(row(points, n), POINT), points, n)
+    return met or put_points(P, view, points, n)
 
 
 @kernel

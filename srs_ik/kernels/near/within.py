@@ -10,13 +10,15 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import copy, read7, row
+from srs_ik.kernels.chain.eight import take_eight
+from srs_ik.kernels.chain.newton_eight import PROBED
 from srs_ik.kernels.exact.summit import downhill
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.near import scan
 
-GAIN = 1e-12
-"""Costs closer than this are equal."""
+GAIN = PROBED
+"""Costs closer than this are equal: postures that are looked at tell no more."""
 
 SPACING = 0.3
 """Widest spacing of the arm angles that are looked at first, rad."""
@@ -210,7 +212,7 @@ def close_in(P, view, gaps, work, best):
             work[24 + i, scan.POINT_BRANCH] = work[i, scan.POINT_BRANCH]
         if longest == 0.0:
             break
-        if not scan.close_points(P, view.target, work, 24):
+        if not scan.close_points(P, view.target, take_eight(row(work, 24), scan.POINT), work, 24):
             return best, False
         best = measure_points(P, work, 24, 24 + count, best)
         for i in range(count):
