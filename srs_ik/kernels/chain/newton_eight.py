@@ -22,7 +22,7 @@ from srs_ik.kernels.layout.limb import ELBOW_CENTRE, FAR, SHOULDER_CENTRE, TIP_P
 NOTHING = 1e-15
 """A step this short, rad, need not be taken ..."""
 
-PROBED = 1e-9
+PROBED = 1e-10
 """... nor this one where a posture is only looked at, and closed if it is taken."""
 
 EXPECTED = 300.0

@@ -74,7 +74,7 @@ def may_have_others(P, target, psi, q):
 
     Also where its own elbow is well bent: another posture of the pose may have an almost straight one.
     """
-    return not band.is_told(P, target.place, psi) and (is_unsure(P, q) or band.least_bend(P, target.place) == 0.0)
+    return (is_unsure(P, q) or band.least_bend(P, target.place) == 0.0) and not band.is_told(P, target.place, psi)
 
 
 @kernel

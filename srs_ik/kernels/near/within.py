@@ -11,14 +11,13 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.chain.eight import take_eight
-from srs_ik.kernels.chain.newton_eight import PROBED
 from srs_ik.kernels.exact.summit import downhill
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.near import scan
 
-GAIN = PROBED
-"""Costs closer than this are equal: postures that are looked at tell no more."""
+GAIN = 1e-12
+"""Costs closer than this are equal."""
 
 SPACING = 0.3
 """Widest spacing of the arm angles that are looked at first, rad."""
