@@ -10,6 +10,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way
 from srs_ik.kernels.algebra.lanes import larger, scatter, where, whole_number
+from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.eight import take_ways
@@ -24,6 +25,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import PER_TURN, TURN, beyond, beyond_any, turn_to_middle
 
 EDGE_STEPS = 100
+DIP_STEPS = 40
 
 LIMITS_IN_TURN = 3
 ON_LIMIT = 1e-12
@@ -241,3 +243,32 @@ def edge(P, by, branch, curve, inside, outside):
         crossing = tell_figure(crossing, m, f)
     q, _ = on_curve(P, by, branch, curve, crossing[0])
     return crossing[0], q
+
+
+@kernel
+def dip(P, by, branch, curve, a, b):
+    """The least infeasible parameter between two, or any feasible one: parameter and infeasibility."""
+    x = b - GOLDEN * (b - a)
+    y = a + GOLDEN * (b - a)
+    wanted = x
+    fx = NO_BRANCH
+    fy = NO_BRANCH
+    for i in range(DIP_STEPS):
+        _, f = on_curve(P, by, branch, curve, wanted)
+        if f <= 0.0:
+            return wanted, f
+        if wanted == x:
+            fx = f
+        else:
+            fy = f
+        if i == 0:
+            wanted = y
+        elif fx <= fy:
+            b, y, fy = y, x, fx
+            x = b - GOLDEN * (b - a)
+            wanted = x
+        else:
+            a, x, fx = x, y, fy
+            y = a + GOLDEN * (b - a)
+            wanted = y
+    return wanted, 1.0

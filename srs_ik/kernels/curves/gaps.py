@@ -15,6 +15,7 @@ from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_cros
 from srs_ik.kernels.curves.ends import closed_inside, joint_beyond
 from srs_ik.kernels.curves.follow import between, put, share_of_chord, tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.lowest import UNSURE
 from srs_ik.kernels.curves.told import TURNING_WRIST, UNTOLD, turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
@@ -31,9 +32,6 @@ than the angle whose cosine is `SMALLEST_COSINE` in a step, however short."""
 
 MOST_TURNS = 42
 """On a way between two samples a joint turns around once, across a limit or two, with a sample on either side."""
-
-UNSURE = 1e-8
-"""Postures this far outside the limits, rad, may be inside: those in step are off by so much at a singular wrist."""
 
 WELL_INSIDE = 0.5
 """A sample in a gap need not lie closer to its middle than this part of half its width."""

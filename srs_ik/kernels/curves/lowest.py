@@ -10,11 +10,11 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7
 from srs_ik.kernels.algebra.lanes import gather, one_of
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.curves.ends import on_curve, sample_before
+from srs_ik.kernels.curves.ends import dip, on_curve, sample_before
 from srs_ik.kernels.curves.follow import between, tangent_at
 from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample, on_way, one_of_seven
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Best
+from srs_ik.kernels.layout.asked import Best, Goal
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
 from srs_ik.kernels.layout.search import SHARP, TIE
 from srs_ik.kernels.limb.branches import NO_BRANCH
@@ -34,6 +34,9 @@ far from the ends at least, in parts of the way between two."""
 
 BENT = 16.0
 """A squared distance is above the lines that foretell it but for so many times the square of the way between two."""
+
+UNSURE = 1e-8
+"""Looks this far outside the limits, rad, may be inside: postures in step are off by so much at a singular wrist."""
 
 
 @kernel
@@ -200,3 +203,16 @@ def close_in_on(P, by, curve, bracket, goal, best):
             break
     keep(looks)
     return found[0], rows[low, 0] + found[1] * way
+
+
+@kernel
+def dip_near(P, by, curve, bracket):
+    """Any feasible parameter between the outer of three that are not, on a near limb: it, and its infeasibility.
+
+    Where another curve crosses this one, a look may be on that: what counts is the posture of the curve itself.
+    """
+    best, x = close_in_on(P, by, curve, bracket, Goal(False, NO_SEED, True), Best(NO_SEED, OUTSIDE + UNSURE))
+    if best.cost >= OUTSIDE + UNSURE:
+        return x, 1.0
+    _, off = on_curve(P, by, 0, curve, x)
+    return (x, off) if off <= 0.0 else dip(P, by, 0, curve, bracket[0], bracket[2])

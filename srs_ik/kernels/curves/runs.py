@@ -14,10 +14,11 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import difference, largest
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
-from srs_ik.kernels.curves.ends import corner, edge, is_exact, on_curve, put_infeasibilities
+from srs_ik.kernels.curves.ends import corner, dip, edge, is_exact, on_curve, put_infeasibilities
 from srs_ik.kernels.curves.follow import BLURRED, CURVE, put, put_with
 from srs_ik.kernels.curves.gaps import MOST_TURNS, put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample, way_of_sample
+from srs_ik.kernels.curves.lowest import dip_near
 from srs_ik.kernels.curves.outreach import EVERY_PAIR
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
@@ -35,6 +36,9 @@ SMALLEST_GAP = 1e-6
 
 DEPTH = 32
 """Room for samples on hold while the gap before them is filled: more than the halvings between the figures above."""
+
+SHALLOW = 0.5
+"""A sample this far outside the limits, rad, may have feasible postures beside it."""
 
 SAME = 1e-9
 """Of samples closer than this, one is left: nothing can be told of what is beside it from the other."""
@@ -94,6 +98,12 @@ def may_meet(f, next_f, way):
 
 
 @kernel
+def may_dip(P, x, f, next_x, next_f):
+    """Whether there may be feasible postures between two samples outside the limits; f is how far, x the parameter."""
+    return is_exact(P) or may_meet(f, next_f, ARC * (next_x - x))
+
+
+@kernel
 def cut(P, by, branch, curve, out, used):
     """Cut a sampled curve into its feasible runs, behind the rows and runs in use; how many are in use then."""
     line, first, last = curve
@@ -111,9 +121,21 @@ def cut(P, by, branch, curve, out, used):
             begin = edge(P, by, branch, curve, (x1, f1), (x0, f0))
         elif f0 <= 0.0 and f1 > 0.0:
             end, ends = edge(P, by, branch, curve, (x0, f0), (x1, f1)), True
-        elif 0.0 < f0 < f_before and f0 <= f1 and f0 < BLURRED and not is_exact(P):
-            q, ends = corner(P, by, load_sample(line[i - 1]), f0)
-            begin = end = (x0, q)
+        elif 0.0 < f0 < f_before and f0 <= f1 and f0 < SHALLOW:
+            x_before, f = line[i - 2, 0], 1.0
+            if may_dip(P, x_before, f_before, x0, f0) or may_dip(P, x0, f0, x1, f1):
+                if is_exact(P):
+                    x, f = dip(P, by, branch, curve, x_before, x1)
+                else:
+                    x, f = dip_near(P, by, curve, (x_before, x0, x1))
+            if f <= 0.0:
+                # The sample between the two is outside: the run ends before it, or begins behind it.
+                outside = ((x_before, f_before), (x0, f0)) if x < x0 else ((x0, f0), (x1, f1))
+                begin = edge(P, by, branch, curve, (x, f), outside[0])
+                end, ends = edge(P, by, branch, curve, (x, f), outside[1]), True
+            elif f0 < BLURRED and not is_exact(P):
+                q, ends = corner(P, by, load_sample(line[i - 1]), f0)
+                begin = end = (x0, q)
         if i == last - 1 and f1 <= 0.0:
             end, ends = (x1, load_sample(line[i])), True
         if ends and end[0] >= begin[0]:
