@@ -27,6 +27,14 @@ FIRST_DAMPING = 1e-4
 """What is lost is left out of steps by so much of damping; of the first one, which only comes closer to the pose, all
 in which the tip moves little."""
 
+STEADY_STEPS = 120
+NEXT_TO = 1e-10
+"""Steps, each of which leaves less of the error, at most, and the error (m, rad) that they leave: half of the way to a
+posture of rank five each, they end next to it."""
+
+STEADY_DAMPING, GENTLER, STIFFER = 1e-2, 0.25, 4.0
+"""The first one's damping, and by how much a step that comes closer makes less of it, one that does not more."""
+
 ANY_WAYS = ((0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3), (0.3, 0.4, -0.5, 0.25, 0.15, 0.45, -0.35))
 ANY_TWIST = ((0.35, -0.25, 0.45), (0.15, 0.5, -0.4))
 """Any ways of the joints, and any twist: what is wanted of them is left of them."""
@@ -121,10 +129,39 @@ def own_ways(J, u, A):
 
 
 @kernel
+def squared_error(twist):
+    """What is left to a pose, squared, m and rad alike."""
+    return dot(twist[0], twist[0]) + dot(twist[1], twist[1])
+
+
+@kernel
+def steadily_closer(P, q, target, J, A):
+    """Steps from a posture, each of which leaves less of the error, to one that meets its pose or next to it.
+
+    Where several directions are as good as lost, others lead to farther postures of the pose, past a single one.
+    """
+    damping = STEADY_DAMPING
+    twist = pose_step(P, q, target.R, target.p, J)
+    for _ in range(STEADY_STEPS):
+        if squared_error(twist) < NEXT_TO * NEXT_TO:
+            break
+        shortest_step(J, twist[0], twist[1], 0, damping, A)
+        there = moved(q, A, 1.0)
+        left = pose_step(P, there, target.R, target.p, J)
+        if squared_error(left) < squared_error(twist):
+            q, twist = there, left
+            damping *= GENTLER
+        else:
+            damping *= STIFFER
+            twist = pose_step(P, q, target.R, target.p, J)
+    return q
+
+
+@kernel
 def to_rank_five(P, q, target, J, A):
     """Newton's method to the posture of rank five next to one: whether there is one, it, and its form.
 
-    That is how far past its pose the tip is along the lost twist, and how much the form bends along its own ways.
+    That is how far past its pose the tip is along the lost twist, and own ways with how much the form bends along them.
     """
     u = ANY_TWIST
     past = 0.0
@@ -154,8 +191,8 @@ def to_rank_five(P, q, target, J, A):
         size = largest(step)
         q = along7(q, 1.0 if size < MAX_STEP else MAX_STEP / size, step)
         if size < SETTLED:
-            return True, q, past, bends
-    return False, q, past, bends
+            return True, q, past, ways, bends
+    return False, q, past, ways, bends
 
 
 @kernel
@@ -168,35 +205,43 @@ def is_among(q, postures, n):
 
 
 @kernel
-def put_alone(P, target, starts, alone, work):
-    """Put postures next to some starts that are the only ones of their pose around into rows, with blur; their number.
+def put_amid(P, target, starts, first, n, alone, work):
+    """Append postures of small closed curves next to those in rows first to n - 1; how many rows are in use then.
 
-    At others curves cross, or almost, or they are amid small closed curves, to which starts lead by themselves.
+    And how many postures that are the only ones around are put into the rows of `alone`, with their blur.
     """
     J, A = work
-    n = starts.shape[0]
     centres = np.zeros((MOST_CENTRES, CENTRE))
-    trials = np.empty((n + MORE_TRIALS, CENTRE))
-    for i in range(n):
-        store7(row(trials, i), 0, read7(starts[i]))
-    found, n_alone, last = 0, 0, n
+    trials = np.empty((n - first + MORE_TRIALS, CENTRE))
+    for i in range(n - first):
+        store7(row(trials, i), 0, read7(row(starts, first + i)))
+    used, found, n_alone, last = n, 0, 0, n - first
     for i in range(trials.shape[0]):
         if i >= last:
             break
-        met, q, past, bends = to_rank_five(P, read7(row(trials, i)), target, J, A)
+        met, q, past, ways, bends = to_rank_five(P, read7(row(trials, i)), target, J, A)
         if not met or is_among(q, centres, found):
             continue
         if found < MOST_CENTRES:
             for k in range(min(found, trials.shape[0] - last)):
-                # Few steps lead to it; it lies between two postures at which curves cross, or almost.
+                # Few steps lead to a small closed curve; it lies between two postures at which curves cross, or almost.
                 store7(row(trials, last), 0, along7(q, 0.5, difference(q, read7(row(centres, k)))))
                 last += 1
             store7(row(centres, found), 0, q)
             found += 1
-        if bends[0] * bends[1] > 0.0 and abs(past) < ALONE and n_alone < alone.shape[0]:
-            store7(row(alone, n_alone), 0, q)
-            alone[n_alone, BLUR] = math.sqrt(2.0 * ALONE / min(abs(bends[0]), abs(bends[1])))
-            n_alone += 1
+        if not bends[0] * bends[1] > 0.0 or past * bends[0] > ALONE * abs(bends[0]):
+            continue
+        if abs(past) < ALONE:
+            if n_alone < alone.shape[0]:
+                store7(row(alone, n_alone), 0, q)
+                alone[n_alone, BLUR] = math.sqrt(2.0 * ALONE / min(abs(bends[0]), abs(bends[1])))
+                n_alone += 1
+        elif used < starts.shape[0]:
+            # Where the curve is closest it bends least.
+            short = 0 if abs(bends[0]) > abs(bends[1]) else 1
+            there = along7(q, math.sqrt(-2.0 * past / bends[short]), ways[short])
+            store7(row(starts, used), 0, there)
+            used += 1
     keep(centres)
     keep(trials)
-    return n_alone
+    return used, n_alone

@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import close_eight
-from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_alone
+from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all, width_of_splits
 from srs_ik.kernels.curves import in_step, outreach
 from srs_ik.kernels.curves.ends import inside_of_blur
@@ -294,8 +294,8 @@ def follow_all(P, by, which, rows, curves):
     n_splits = put_splits(P, by.target, by.J, missed, n_off)
     n_surface = put_starts(P, by.target.place, ends, missed, n_splits)
     alone = np.empty((MOST_LEFT, CENTRE))
-    n_missed = put_outermost(P, by, signs & known, around, missed, n_surface)
-    n_alone = put_alone(P, by.target, missed[n_off:n_missed], alone, (by.J, by.A))
+    n_outer = put_outermost(P, by, signs & known, around, missed, n_surface)
+    n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))
     if n_marks > 0:
         follow_marks(P, by.target, in_step.LONGEST_STEP, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)

@@ -12,9 +12,11 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.descent import QUICK, THOROUGH, descend, slid
 from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
+from srs_ik.kernels.chain.rank_five import ALONE, steadily_closer, to_rank_five
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.limb import surface
@@ -56,12 +58,27 @@ def try_from(P, q, target, goal, best, work):
 
 
 @kernel
+def try_rank_five(P, target, goal, best, work):
+    """The better of the best posture so far and those at or next to the posture of rank five that is next to a seed."""
+    q = steadily_closer(P, goal.seed, target, work[0], work[1])
+    met, q, past, ways, bends = to_rank_five(P, q, target, work[0], work[1])
+    if met and abs(past) < ALONE:
+        return try_from(P, q, target, goal, best, work)
+    for i in range(4 if met else 0):
+        way, square = ways[i // 2], -2.0 * past / bends[i // 2]
+        if 0.0 < square < AROUND * AROUND:
+            there = along7(q, math.sqrt(square) if i % 2 == 0 else -math.sqrt(square), way)
+            best = try_from(P, there, target, goal, best, work)
+    return best
+
+
+@kernel
 def nearest_among_splits(P, target, goal, known):
     """The posture nearest to a seed as known so far, or a nearer one where outer axes are in line: q, branch, cost."""
     if not surface.may_have_surface(P, target.place, surface.same_widths(P, target.place, surface.width_for_curves(P))):
         return known
     work = (np.empty((6, 7)), np.empty((16, 9)))
-    best = try_from(P, goal.seed, target, goal, known, work)
+    best = try_from(P, goal.seed, target, goal, try_rank_five(P, target, goal, known, work), work)
     widths = surface.same_widths(P, target.place, surface.in_line_width(P))
     if not surface.may_have_surface(P, target.place, widths):
         return best
