@@ -78,9 +78,6 @@ SAME_CURVE = 1e-18
 """A posture that it leads to at once is this close to the curve, rad squared: others may cross it nearby."""
 
 
-SOME, ALL_ASKED, WHOLE = range(3)
-"""Curves of a pose to which starts have led, and for certain all of branches that are asked for, or of all."""
-
 EVERY_BRANCH = 0b11111111
 """The branches, as bits."""
 
@@ -91,7 +88,7 @@ class Followed(NamedTuple):
     rows: Any  # their samples
     runs: Any  # the rows of each
     told: Any  # (n, TOLD), of every sample
-    extent: Any  # of them: SOME, ALL_ASKED or WHOLE
+    are_all: Any  # whether these are for certain all of the branches that are asked for
 
 
 @kernel
@@ -103,7 +100,7 @@ def setting_of(P, target, J, A):
 @kernel
 def no_curves():
     """No curves, as long as none have been followed."""
-    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), SOME)
+    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), False)
 
 
 @kernel
@@ -132,13 +129,13 @@ def put_back(P, by, curve, place_, n, followed):
 
 
 @kernel
-def told_runs(P, by, samples, n_samples, runs, extent):
+def told_runs(P, by, samples, n_samples, runs, are_all):
     """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
     told = np.empty((samples.shape[0], TOLD))
     tell_samples(P, by, Samples(samples, 0, n_samples), told)
     changes = np.empty((crossing.MOST_CHANGES, crossing.CHANGE))
     room = n_samples + 2 * MAX_SPANS
-    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), extent)
+    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), are_all)
     n = 0
     for index in range(runs.shape[0]):
         curve = samples_of(samples, runs[index])
@@ -169,8 +166,7 @@ def followed_curves(P, by, branches):
     """Follow all curves of a pose that branches (bits) need, and look where they go from branch to branch."""
     runs = np.empty((MAX_RUNS, RUN))
     (samples, n_samples, k, _), certain = certain_runs(P, by, (branches | branches >> 4) & EVERY_PAIR, runs)
-    extent = WHOLE if certain == EVERY_PAIR else (ALL_ASKED if certain != 0 else SOME)
-    return told_runs(P, by, samples, n_samples, runs[:k], extent)
+    return told_runs(P, by, samples, n_samples, runs[:k], certain != 0)
 
 
 @kernel
@@ -179,7 +175,7 @@ def is_certain(by, followed, nearest):
 
     Where limits cut them, rounding decides. `nearest` is what `find_at_angle` returns.
     """
-    return followed.extent != SOME and not by.respect and nearest > CLOSE_CALL
+    return followed.are_all and not by.respect and nearest > CLOSE_CALL
 
 
 @kernel
@@ -302,35 +298,32 @@ def look_between(P, by, followed, i, psi, goal, out):
     if turns == 0 and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
-    keeps = out.shape[0] > 0
-    if keeps and is_here(P, by, a, ahead_a):
+    if is_here(P, by, a, ahead_a):
         keep_found(P, by, a, branch, goal, out)
-    if keeps and is_here(P, by, b, ahead_b):
+    if is_here(P, by, b, ahead_b):
         keep_found(P, by, b, next_branch, goal, out)
     last, side = (a, ahead_a), 1.0 if rate_a > 0.0 else -1.0
     for _ in range(turns):
         turning = turning_between(P, by, a, b, side, ARM_ANGLE, (rate_a, rate_b))
         turning = inside_of_blur(P, by, turning, BLURRED)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
-        if keeps:
-            put_passing(P, by, psi, branch, (last, (turning, ahead)), goal, out)
-        if keeps and is_here(P, by, turning, ahead):
+        put_passing(P, by, psi, branch, (last, (turning, ahead)), goal, out)
+        if is_here(P, by, turning, ahead):
             keep_found(P, by, turning, branch, goal, out)
         last, side, nearest = (turning, ahead), -side, min(nearest, abs(ahead))
-    if keeps:
-        put_passing(P, by, psi, branch, (last, (b, ahead_b)), goal, out)
+    put_passing(P, by, psi, branch, (last, (b, ahead_b)), goal, out)
     return nearest
 
 
 @kernel
 def find_at_angle(P, by, followed, psi, wanted, goal, out):
-    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8; or none).
+    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8).
 
     Of one that is wanted (0 to 7), and of others only where they border on it. Returns how far the closest sample or
     turning point is, rad: farther from these, what is next to the arm angle is there too.
     """
     nearest = math.pi
-    for branch in range(out.shape[0]):
+    for branch in range(8):
         out[branch, ROW_COST] = 2.0 * NO_BRANCH
     runs, told, blur = followed.runs, followed.told, blur_of(by)
     for index in range(runs.shape[0]):
@@ -389,5 +382,5 @@ def curves_on_arcs(P, by, psi, branches):
                 runs = np.empty((MAX_RUNS, RUN))
                 samples, k = arcs.follow_arcs(P, by, arcs.LONGEST_ON_ARCS, (view.points, count), runs)
                 if k > 0:
-                    return told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], ALL_ASKED)
+                    return told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], True)
     return no_curves()
