@@ -33,11 +33,10 @@ MANY = 0.4
 AGAIN = 1e-5
 """A start that is as good as one whose search failed is left out, too: within this part of the usual width."""
 
-NO_SHORTER, FEW = 1.0, 8
-"""A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more
-searches than a few, those from such starts are left out."""
+FEW = 8
+"""Of more searches than these, those are left out whose starts, once inside the limits, are too far from the seed."""
 
-LATE, OUTSIDE, WIDELY = 4, 3.0, 1.0
+OUTSIDE, WIDELY = 3.0, 1.0
 """Searches that come last. Postures that are pressed between limits may have starts outside these alone: a radian
 outside costs no more than it may take to come inside, and what lies within so much, rad, of starts that were taken is
 left out."""
@@ -128,7 +127,8 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
         liking: what is nearest, and the limits.
         sizes: how many starts there are, searches at most once a posture is known and where none is, and starts that
             are taken already.
-        order: column of the costs of starts, how far starts are apart, and how much nearer than those searches come.
+        order: column of the costs of starts, how far starts are apart, how much nearer searches come than these, and
+            how much nearer than starts that are inside the limits.
         found: the posture that is known.
         desk: work space.
 
@@ -136,16 +136,16 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
         It; what is nearest, with that as a rival of later searches; how many starts were taken.
     """
     count, enough, most, taken = sizes
-    column, width, shorter = order
+    column, width, nearer, shorter = order
     attempts, failed = 0, 0
     line_up(desk.starts, count, column)
     while attempts + failed < (enough if found.met else most) and taken < MOST_TAKEN:
         start, least, count = take_next(desk.starts, count, taken, column, width)
         reached = math.sqrt(found.cost)
-        if least >= NONE_LEFT or math.sqrt(least) > reached + shorter:
+        if least >= NONE_LEFT or math.sqrt(least) > reached + nearer:
             break
         start = between(start, liking.lower, liking.upper)
-        if found.met and attempts >= FEW and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
+        if found.met and attempts >= FEW and math.sqrt(distance(start, liking)) > reached + shorter:
             taken += 1
             continue
         rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, liking.rival_posture)
@@ -166,13 +166,14 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
 def nearest(P, pose, freedom, liking, sizes, found, desk):
     """The nearest posture that searches from starts in `desk` lead to, or the one that is known.
 
-    Sizes are how many starts there are, and searches at most once a posture is known, and where none is.
+    Sizes are how many starts there are; searches at most once a posture is known, those that come late, and how much
+    nearer than starts inside the limits these come; and searches where none is known.
     """
-    count, enough, most = sizes
-    first = START_COST, APART, NO_NEARER
+    count, (enough, late, shorter), most = sizes
+    first = START_COST, APART, NO_NEARER, shorter
     found, liking, taken = search(P, pose, freedom, liking, (count, enough, most, 0), first, found, desk)
     if found.met:
-        count = write_late(desk.starts, count, liking, (math.sqrt(found.cost) + NO_SHORTER) ** 2)
-        late = START_LATE, WIDELY, NO_SHORTER
-        found, _, _ = search(P, pose, freedom, liking, (count, LATE, LATE, taken), late, found, desk)
+        count = write_late(desk.starts, count, liking, (math.sqrt(found.cost) + shorter) ** 2)
+        last = START_LATE, WIDELY, shorter, shorter
+        found, _, _ = search(P, pose, freedom, liking, (count, late, late, taken), last, found, desk)
     return found

@@ -24,8 +24,10 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = 24, 10, 20
-"""Local searches at most once a posture is known: with the roll alone free, in a narrow cone, and in a wider one."""
+NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = (24, 4, 1.0), (10, 4, 1.0), (20, 8, 2.0)
+"""With the roll alone free, in a narrow cone, and in a wider one: local searches at most once a posture is known; those
+of starts that are good once they are inside the limits, which come late; and how much nearer to the seed than these
+starts searches come, rad. In a wide cone, postures pressed between limits have starts farther away."""
 
 NARROW = 0.3
 """In a cone up to this, rad, the roll alone is searched first: it may be all that is near."""
@@ -83,7 +85,7 @@ def nearest_of_all(P, pose, given, liking, found, desk):
     if freedom.cone <= NARROW:
         held = held_straight(P, pose, freedom.axis, liking)
         first = freedom if freedom.cone <= THIN else Freedom(freedom.axis, 0.0)
-        most = MOST_ATTEMPTS if freedom.cone == 0.0 else NEAREST_IN_NARROW
+        most = MOST_ATTEMPTS if freedom.cone == 0.0 else NEAREST_IN_NARROW[0]
         found = nearest(P, pose, first, held, (count, NEAREST, most), found, desk)
     if found.met and freedom.cone > THIN:
         q, cost, error, at_rest = settle(P, found.q, pose, freedom, liking, desk)
