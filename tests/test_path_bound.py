@@ -160,6 +160,18 @@ def test_a_break_that_is_the_largest_step():
     assert path.lower_bound > 0.98 * path.value
 
 
+@pytest.mark.parametrize("seed", [4, 7, 52])
+def test_a_break_takes_no_longer_than_it_has_to(seed):
+    """Breaks were planned in coarse strips, from posture to posture of these alone."""
+    arm, rng = load("iiwa14"), np.random.default_rng(seed)
+    poses = [arm.forward_kinematics(q).homogeneous for q in rng.uniform(arm.lower, arm.upper, (2, 7))]
+    path = arm.solve_path(poses, objective="time")
+    # Planned as one step like any other.
+    known = arm.solve_path(poses, objective="time", longest_step=10.0).q
+    takes = (np.abs(np.diff(known, axis=0)) / arm.velocity_limit).max()
+    assert_no_better_than_known(arm, poses, known, takes, path, 1)
+
+
 def test_breaks_of_longer_paths_are_as_small_as_can_be_and_all_else_stays_continuous():
     arm, rng = load("iiwa14"), np.random.default_rng(8)
     known = np.vstack([known_motion(arm, rng, 30, 0.1), known_motion(arm, rng, 30, 0.1)])

@@ -334,7 +334,8 @@ def planned_everywhere(problem: Problem, plan: Problem, known: Way | None = None
             problem, way = more, again
     if way.cost >= 0.5 * BREAK:
         walls = way.walls
-        way = find_way(problem, keys, True)
+        is_short = len(keys) <= SHORT and not problem.is_near
+        way = find_way(fine_everywhere(problem, keys) if is_short else problem, keys, True)
         way.walls = walls
         improve(problem, way)
         way = search_around(problem, way)
