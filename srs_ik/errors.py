@@ -8,6 +8,7 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import re
 import reprlib
 import shlex
 import sys
@@ -208,16 +209,16 @@ def warn_caller(message: str) -> None:
 
 
 def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
-    """The clause " (did you mean ...?)" for a misspelt name, or a part of three at most; "" where none is close."""
+    """The clause " (did you mean ...?)" for a part of up to three names, or a misspelt one; "" where none is close."""
     if not isinstance(name, str) or len(name) > bounds.COMPARED:
         return ""
     by_folded = {candidate.casefold(): candidate for candidate in known if len(candidate) <= bounds.COMPARED}
     folded = name.casefold()
-    matches = difflib.get_close_matches(folded, by_folded, n=3, cutoff=likeness)
-    if not matches:
-        matches = [each for each in by_folded if each.startswith(f"{folded}_") or each.endswith(f"_{folded}")]
+    matches = [each for each in by_folded if re.search(rf"(^|[_/]){re.escape(folded)}($|[_/])", each)]
+    if not 0 < len(matches) <= 3:
+        matches = difflib.get_close_matches(folded, by_folded, n=3, cutoff=likeness)
     close = [by_folded[match] for match in matches]
-    return f" (did you mean {' or '.join(repr(match) for match in close)}?)" if 0 < len(close) <= 3 else ""
+    return f" (did you mean {' or '.join(repr(match) for match in close)}?)" if close else ""
 
 
 def quoted(value: object) -> str:

@@ -574,6 +574,7 @@ def test_names_lists_what_load_knows():
         ("nowhere.urdf", r"there is no file nowhere\.urdf"),
         ("folder/nowhere", "there is no file folder/nowhere"),
         ("", "neither a file nor the name"),
+        ("kinova", r"robot \(perhaps gen3, j2s7s300\); there are"),
         ("ur5", "; others have a path, or NAME_description$"),
         ("x" * 5000, r"\.\.\.' is neither a file"),
         ("a\0b", "neither a file nor the name"),
@@ -590,6 +591,7 @@ def test_sources_that_are_none(source, says):
 
 def test_a_missing_file_is_told_the_files_beside_it(tmp_path):
     (tmp_path / "left_arm.urdf").write_text("")
+    (tmp_path / "left_amr").mkdir()  # a folder is no file
     with pytest.raises(InvalidRobot, match=r"left_amr\.urdf \(did you mean 'left_arm\.urdf'\?\)"):
         load(tmp_path / "left_amr.urdf")
 

@@ -128,6 +128,10 @@ def test_joints_are_picked_by_name_in_any_order():
     [
         ({}, "lacks 'iiwa_joint_1'; it has no joint"),
         ({"iiwa_joint1": 0.0}, r"lacks 'iiwa_joint_1' \(did you mean 'iiwa_joint1'\?\)"),
+        (
+            {f"left/iiwa_joint_{k}": 0.0 for k in range(1, 8)},
+            r"lacks 'iiwa_joint_1' \(did you mean 'left/iiwa_joint_1'\?\)",
+        ),
         (Message(name=["a"], position=[1, 2]), "1 names and 2 positions"),
         (Message(name=["a", "b", "a"], position=[1.0, 2.0, 3.0]), "two positions of 'a': 1.0 and 3.0"),
         (Message(name=["a"]), "unlike a SimpleNamespace"),

@@ -374,6 +374,7 @@ def test_copies_keep_their_plan(arm, pose):
     ("more", "said"),
     [
         ({"margn": 0.1}, "'margn' .*margin"),
+        ({"object": []}, "has 'object' .did you mean 'objects'"),
         ({"exact": "false"}, "exact is true or false, not 'false'"),
         ({"objects": [{"name": "a", "box": [1, 1, 1], "radius": 0.1}]}, "'a' has 'radius'"),
         ({"objects": [{"name": "a", "sphere": 1, "scale": 2}]}, "'a' has 'scale'"),

@@ -233,7 +233,7 @@ def test_another_configuration_is_taken_only_when_allowed():
         ({"smoothing": -1.0}, InvalidConfiguration, "smoothing must be a number of seconds from 0 on, or None"),
         ({"elbow": "best"}, InvalidTask, "there is no objective 'best'"),
         ({"elbow": np.inf}, InvalidConfiguration, "arm angle must be a finite"),
-        ({"elbow": [0.1, 0.2, 0.3]}, InvalidConfiguration, 'elbow must be "keep", .*, not an array of shape'),
+        ({"elbow": np.zeros((2, 7))}, InvalidConfiguration, 'elbow must be "keep", .*, not an array of shape'),
         ({"elbow": np.sum}, InvalidConfiguration, 'elbow must be "keep", an arm angle, rad, a built-in Objective'),
         (
             {"elbow": Objective(np.sum)},

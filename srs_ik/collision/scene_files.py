@@ -67,9 +67,10 @@ def read_scene(file: str | Path) -> SceneFile:
     path = Path(file)
     content = read_tree_of(path)
     where = label_of(path)
+    if isinstance(content, Mapping):
+        _expect(content, ("objects", "margin", "exact"), where)
     if not isinstance(content, Mapping) or not isinstance(content.get("objects"), Sequence):
         raise InvalidScene(f"{where} holds no scene: objects must be a list")
-    _expect(content, ("objects", "margin", "exact"), where)
     if len(content["objects"]) > bounds.OBJECTS:
         raise InvalidScene(f"{where} has more than the {bounds.OBJECTS:,} objects that are read")
     exact = content.get("exact", False)

@@ -250,7 +250,7 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
         longest = f"; the longest has {len(run)}: {listed(names)}{_interrupted(skeleton, mimic, run)}" if run else ""
         locked = f"; {listed(list(description.locked))} cannot be of it, as locked" if description.locked else ""
         none = f"{source}: {where} has no chain of 7 consecutive revolute joints"
-        return NotAnSrsLimb(f"{none}{longest}{locked}{_ELSEWHERE if base is None else ''}", names)
+        return NotAnSrsLimb(f"{none}{longest}{locked}{'' if base or locked else _ELSEWHERE}", names)
     joints = _way(skeleton, base, tip)
     names = [skeleton.joint_names[joint] for joint in joints]
     where = f"between base {base!r} and tip {tip!r}" if base is not None else f"on the way to the tip {tip!r}"

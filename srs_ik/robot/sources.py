@@ -217,6 +217,8 @@ def _unknown(name: str) -> InvalidRobot:
     known = robots()
     described = {described.removesuffix(DESCRIPTION): described for described in described_names()}
     hint = did_you_mean(described.get(name, name), [*known, *described.values()])
+    made = [each for each in known if not hint and name.casefold() in zoo.card(each).description.casefold().split()]
+    hint = hint or (f" (perhaps {listed(made)})" if made else "")
     return InvalidRobot(
         f"{quoted(name)} is neither a file nor the name of a robot{hint}; there are {listed(known)}; "
         f"others have a path, or NAME{DESCRIPTION}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 from pathlib import Path
 
 from srs_ik.errors import InvalidRobot, did_you_mean
@@ -39,7 +40,8 @@ def read(path: Path, label: str) -> bytes:
 def _close_files(path: Path) -> str:
     """The names of files beside a missing one that are like its own, as a clause."""
     try:
-        beside = [entry.name for entry in itertools.islice(path.parent.iterdir(), bounds.FILES_BESIDE)]
+        with os.scandir(path.parent) as entries:
+            beside = [entry.name for entry in itertools.islice(entries, bounds.FILES_BESIDE) if not entry.is_dir()]
     except (OSError, ValueError):
         return ""
     return did_you_mean(path.name, beside)
