@@ -19,6 +19,12 @@ FAR_APART = 0.02
 _BULGE = 1e-3
 """A closed mesh whose convex hull has no more volume beyond its own than this part of it counts as its hull."""
 
+_THIN = 1e-6
+"""Half the thickness that a flat hull is given, m, ..."""
+
+_FLAT = 1e-7
+"""... or this part of its extent, where that is more."""
+
 _request = coal.DistanceRequest()
 
 
@@ -55,11 +61,22 @@ def mesh(vertices: Array, faces: NDArray[np.int64]) -> Any:
 
 
 def hull(forms: Iterable[Form]) -> Any:
-    """The convex hull of some forms."""
-    points = np.concatenate([surface(form)[0] for form in forms])
+    """The convex hull of some forms; those that lie in a plane, on a line or in a point are made `_THIN` first."""
+    points = thickened(np.concatenate([surface(form)[0] for form in forms]))
     corners = coal.StdVec_Vec3s()
     corners.extend(list(points))
     return coal.Convex.convexHull(corners, False, "")
+
+
+def thickened(points: Array) -> Array:
+    """(n, 3) points, and where they are flat, others to both sides of them: coal's hulls need a volume."""
+    middle = points.mean(axis=0)
+    _, _, across = np.linalg.svd(points - middle, full_matrices=len(points) < 3)
+    extent = np.ptp((points - middle) @ across.T, axis=0)
+    thin = max(_THIN, _FLAT * float(extent.max()))
+    for direction in across[extent < thin]:
+        points = np.concatenate([points + thin * direction, points - thin * direction])
+    return points
 
 
 def transform(T: Array) -> Any:

@@ -63,10 +63,10 @@ CLOSE_BY = 0.1
 STUCK = 0.05
 """A step shorter than so much of what a pose is missed by, rad by m or rad, meets none: limits stand in the way."""
 
-LEFT = 1.0
+LEFT = 1.2
 """Where the pose is almost met, a search comes nearer to the seed by at most so many times its step, uncut."""
 
-SAME = 0.2
+SAME = 0.1
 """A step that leads so close to a posture that is known, rad, and is longer than that, leads there."""
 
 NO_RIVAL = 1e300
