@@ -52,11 +52,14 @@ def _open_closed_streams() -> None:
 
 
 def _close_quietly() -> None:
-    """Flush standard output; if it cannot take the rest, let Python not say so a second time at exit."""
-    try:
-        sys.stdout.flush()
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if isinstance(error, BrokenPipeError):
-            sys.exit(EXIT_BROKEN_PIPE)
+    """Flush both streams; what cannot take the rest is turned to nowhere, or Python would say so once more at exit."""
+    broken = False
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            broken = broken or isinstance(error, BrokenPipeError)
+    if broken:
+        sys.exit(EXIT_BROKEN_PIPE)
