@@ -165,14 +165,19 @@ def next_arm_angle(a, b, latest, step):
     if not lower < x < upper:
         cost_a, slope_a, active_a = scan.cost_of(a)
         cost_b, slope_b, active_b = scan.cost_of(b)
+        own_a, own_b = a[scan.POINT_SLOPES + active_b], b[scan.POINT_SLOPES + active_a]
         width = upper - lower
-        # Where the tangents of two meet.
+        # Where the tangents of two meet, or where the rate of one vanishes before it meets another.
         x = lower + (cost_a - cost_b + slope_b * width) / (slope_b - slope_a)
         if active_a == active_b:
             # The minimum of the cubic through both.
             mean = slope_a + slope_b - 3.0 * (cost_b - cost_a) / width
             far = math.sqrt(max(mean * mean - slope_a * slope_b, 0.0))
             x = upper - width * (slope_b + far - mean) / (slope_b - slope_a + 2.0 * far)
+        elif own_a < 0.0:
+            x = max(x, lower - own_a * width / (slope_b - own_a))
+        elif own_b > 0.0:
+            x = min(x, lower - slope_a * width / (own_b - slope_a))
     if (step % 4 == 3 and upper - lower > COARSE) or not lower < x < upper:
         x = 0.5 * (lower + upper)
     return x

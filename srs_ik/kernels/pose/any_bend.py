@@ -30,6 +30,9 @@ from srs_ik.kernels.pose.on_limits import meets, put_on_limits
 WIDER = 1e-4
 """By so much, rad, limits are wider where one bend stands for all."""
 
+ALONE = 1e-12
+"""An interval narrower than this, rad, is a single arm angle."""
+
 BETTER = 1e-8
 """A posture that is better by less than this, rad or of a range, may owe it to missing its pose by rounding."""
 
@@ -133,6 +136,18 @@ def best_in_interval(family, target, interval, wanted, goal, best):
         found = at_or_inside(family, target, interval, psi, branch, goal)
         best = closed_in_branch(P, target, found, wanted, goal, best, work)
     keep(boxes)
+    return best
+
+
+@kernel
+def nearest_alone(family, target, found, goal, best):
+    """The nearest posture as known so far, or a nearer one of those intervals (n, 3) that are single arm angles.
+
+    Where the shoulder's reach begins and the wrist's ends, only loose tolerances find it.
+    """
+    for i in range(found.shape[0]):
+        if found[i, 2] - found[i, 1] < ALONE:
+            best = best_in_interval(family, target, found[i : i + 1], int(found[i, 0]), goal, best)
     return best
 
 

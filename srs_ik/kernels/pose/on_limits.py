@@ -11,8 +11,10 @@ from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.limb import FAR
+from srs_ik.kernels.layout.limb import FAR, FIRST_JOINT, LOWER, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limb.goal import OUTSIDE, UNMET, cost
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
+from srs_ik.kernels.limb.splits import nearest_split
 from srs_ik.kernels.near.on_curves import SAME_ANGLE
 
 BARELY = 1e-3
@@ -29,6 +31,21 @@ def meets(P, q, target):
     """Whether a posture meets its pose but for rounding: a position is told the worse, the longer the arm is."""
     position, orientation = pose_error(P, q, target.R, target.p)
     return position < min(newton.LEFT * max(P[FAR], 1.0), SOLVED) and orientation < newton.LEFT
+
+
+@kernel
+def split_inside(P, k, q1, q2, q3):
+    """The outer angles of a spherical joint, what one is outside its limits moved to the other: q1, q3.
+
+    They are as they were, unless the joint is next to its singularity, where a pose tells their sum alone.
+    """
+    if not is_in_line(P, k, q2, NEARLY_IN_LINE):
+        return q1, q3
+    first = int(P[k + FIRST_JOINT])
+    toward = toward_of(P, k, q2)
+    q1, q3 = nearest_split(P, k, first, toward * q1 + q3, toward, q1, q3)
+    # Limits of both that leave one split may leave none to the last bit.
+    return min(max(q1, P[LOWER + first]), P[UPPER + first]), min(max(q3, P[LOWER + first + 2]), P[UPPER + first + 2])
 
 
 @kernel
@@ -63,7 +80,14 @@ def put_on_limits(P, target, psi, found, goal):
     # The cost of what is outside by less than the rounding of large figures is `OUTSIDE` itself.
     if not (goal.respect and OUTSIDE <= value < UNMET):
         return found
-    R, p, _ = target
+    R, p, place_ = target
+    if may_split(P, place_):
+        q1, q3 = split_inside(P, SHOULDER, q[0], q[1], q[2])
+        q5, q7 = split_inside(P, WRIST, q[4], q[5], q[6])
+        inside = (q1, q[1], q3, q[3], q5, q[5], q7)
+        at_split = cost(P, inside, goal.seeded, goal.seed, True)
+        if at_split < OUTSIDE and meets(P, inside, target):
+            return inside, branch, at_split
     if value > OUTSIDE + BARELY:
         return found
     J, A = np.empty((6, 7)), np.empty((16, 9))

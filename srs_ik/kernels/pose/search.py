@@ -38,7 +38,7 @@ from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.at_angle import is_crowded, may_be_unsure_within
 from srs_ik.kernels.near.band import is_well_bent
 from srs_ik.kernels.near.many_singular import nearest_among_splits, try_from
-from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some
+from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
 
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
@@ -217,6 +217,7 @@ def search_near_seed(family, target, branch, goal, J, A):
     nearer = nearest_within(P, target.place, found[:n], -1, goal, known[2])
     if nearer[2] < known[2]:
         nearer = settled_split(P, target, nearer, goal)
+    nearer = nearest_alone(family, target, found[:n], goal, nearer if nearer[2] < known[2] else known)
     return (nearer if nearer[2] < known[2] else known), True
 
 
