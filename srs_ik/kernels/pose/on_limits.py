@@ -81,7 +81,8 @@ def put_on_limits(P, target, psi, found, goal):
     if not (goal.respect and OUTSIDE <= value < UNMET):
         return found
     R, p, place_ = target
-    if may_split(P, place_):
+    in_line = is_in_line(P, SHOULDER, q[1], NEARLY_IN_LINE) or is_in_line(P, WRIST, q[5], NEARLY_IN_LINE)
+    if in_line and may_split(P, place_):
         q1, q3 = split_inside(P, SHOULDER, q[0], q[1], q[2])
         q5, q7 = split_inside(P, WRIST, q[4], q[5], q[6])
         inside = (q1, q[1], q3, q[3], q5, q[5], q7)
