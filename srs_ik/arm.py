@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.collision.figures import refuse_margin
 from srs_ik.collision.owner import BodyOwner, BodyPlan
-from srs_ik.errors import NotAnSrsLimb
+from srs_ik.errors import InvalidConfiguration, NotAnSrsLimb
 from srs_ik.inputs.elbow import refuse_beside
 from srs_ik.inputs.numbers import as_flag
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_gravity, as_rigid_matrix
@@ -119,8 +119,9 @@ class Arm(BodyOwner):
                 from its singularity below 1e-5, counts for both where the one that is asked for has no other.
             respect_limits: whether q has to keep the joint limits.
             elbow: where the elbow is wanted: a point (3,) in the base frame, m, such as a measured elbow, or an arm
-                angle, rad. The feasible arm angle nearest to it is taken, where the elbow is nearest to the point, and
-                of the branches there the best. It goes with neither arm_angle nor free_axis.
+                angle, rad. The feasible arm angle nearest to it is taken, where the elbow is nearest to the point (on
+                a near limb to within what its axes miss), and of the branches there the best. It goes with neither
+                arm_angle nor free_axis.
             free_axis: what of the rotation is free: a direction in the tip frame for the roll about it, a
                 `FreeAxis` for a cone, "any" for a position alone; errors are those that are left then. It goes with a
                 seed or without, and with neither arm angle nor branch. With a scene, the best of a sample of turns is
@@ -220,6 +221,8 @@ class Arm(BodyOwner):
             warnings.warn(words, UserWarning, stacklevel=2)
         if elbow is not None:
             refuse_beside(arm_angle=arm_angle, free_axis=free_axis, all_branches=every)
+            if isinstance(branch, list | tuple | np.ndarray):
+                raise InvalidConfiguration("elbow goes with one branch for all poses, or with none")
             return self._asked(scene, margin).solve_near_batch(poses, elbow, seed, branch, respect, threads)
         if free_axis is not None:
             from srs_ik.solve import freedom
@@ -227,7 +230,8 @@ class Arm(BodyOwner):
             freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, all_branches=every)
             return self._asked(scene, margin).solve_free_batch(poses, free_axis, seed, respect, threads)
         ask, others = self._asked(scene, margin).solve_batch, (every, respect, threads)
-        if isinstance(branch, list | tuple | np.ndarray) and not every:
+        branch = None if every else branch
+        if isinstance(branch, list | tuple | np.ndarray):
             from srs_ik.solve import by_branch
 
             return by_branch.solve_batch(self.packed, ask, poses, arm_angle, seed, branch, *others)

@@ -33,8 +33,9 @@ def test_centres_are_where_the_robot_carries_them(name):
         for one, several, place in zip(arm.centres(each), many, places, strict=True):
             assert one == pytest.approx(place, abs=1e-12)
             assert several[i] == pytest.approx(place, abs=1e-12)
-    with pytest.raises(InvalidConfiguration, match="7 joint angles"):
-        arm.centres([0.0] * 6)
+    for wrong in ([0.0] * 6, [[0.0] * 7, [0.0] * 6]):
+        with pytest.raises(InvalidConfiguration, match="7 joint angles"):
+            arm.centres(wrong)
 
 
 @pytest.mark.parametrize("name", EXACT + NEAR)
@@ -154,6 +155,20 @@ def test_in_a_scene_the_elbow_is_as_near_as_the_obstacle_leaves():
     assert np.array_equal(many.q[1], found.q)
 
 
+def test_where_spheres_leave_nothing_the_real_shapes_decide():
+    arm, rng = arms.load("iiwa14"), np.random.default_rng(0)
+    scene = srs_ik.Scene()
+    for k in range(8):
+        scene.add_sphere(f"s{k}", rng.uniform([-0.6, -0.6, 0.1], [0.6, 0.6, 1.2]), 0.08)
+    pose = arm.forward_kinematics([0.685, -0.487, 2.951, 2.014, 1.101, 0.630, 1.151])
+    assert arm.solve(pose, arm_angle=0.18, scene=scene)
+    assert arm.solve(pose, elbow=0.18, scene=scene).arm_angle == pytest.approx(0.18)
+    many = arm.solve_batch([pose, pose], elbow=0.18, scene=scene)
+    assert many.arm_angle == pytest.approx(0.18)
+    with pytest.raises(srs_ik.InvalidPose, match="pose 1 of 2"):
+        arm.solve_batch(np.array([pose.homogeneous, np.zeros((4, 4))]), elbow=0.3, scene=scene)
+
+
 def test_a_tracker_takes_the_elbow_to_a_point_that_moves():
     arm = arms.load("iiwa14")
     q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
@@ -187,8 +202,10 @@ def test_what_is_no_elbow_is_refused(elbow, words):
     arm = arms.load("iiwa14")
     with pytest.raises(InvalidConfiguration, match=words):
         arm.solve(np.eye(4), elbow=elbow)
-    with pytest.raises(InvalidConfiguration, match="elbow says where the elbow is wanted, and so does arm_angle"):
+    with pytest.raises(InvalidConfiguration, match="elbow does not go with arm_angle"):
         arm.solve(np.eye(4), arm_angle=0.1, elbow=[0.1, 0.2, 0.3])
+    with pytest.raises(InvalidConfiguration, match="elbow goes with one branch for all poses"):
+        arm.solve_batch([np.eye(4)] * 2, elbow=[0.1, 0.2, 0.3], branch=[0, 1])
 
 
 def test_the_command_line_takes_a_point():

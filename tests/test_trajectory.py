@@ -120,3 +120,9 @@ def test_what_is_no_motion_is_refused():
         arm.solve_path(poses, seed=Q, dt=0.1).trajectory()
     with pytest.raises(InvalidConfiguration, match="period must be a positive number"):
         arm.solve_path(line(arm, 5), seed=Q, dt=0.1).trajectory().sample(0.0)
+    with pytest.raises(InvalidConfiguration, match="at most 1e\\+07"):
+        arm.solve_path(line(arm, 5), seed=Q, dt=0.1).trajectory().sample(1e-12)
+    with pytest.raises(InvalidConfiguration, match="no poses"):
+        arm.solve_path([], dt=0.1).trajectory()
+    long = arm.solve_path(line(arm, 5), seed=Q, dt=0.1)
+    assert long.trajectory().sample(1e9).q[-1] == pytest.approx(long.q[-1])

@@ -27,8 +27,9 @@ def as_elbow(
         array = real_array(elbow)
     except (TypeError, ValueError):
         array = np.empty(0)
-    if array.ndim == 0:
+    if array.ndim == 0 and not np.isnan(array):
         return as_arm_angle(elbow), np.empty((0, 3))
+    array = np.atleast_1d(array)
     points = array[None] if array.ndim == 1 else array
     if points.shape != (1, 3) and points.shape != (n, 3):
         several = "" if n is None or n == 1 else f", or {n} points"
@@ -43,4 +44,4 @@ def refuse_beside(**others: Any) -> None:
     """Raise InvalidConfiguration for what does not go with an elbow."""
     given = [name for name, value in others.items() if value is not None and value is not False]
     if given:
-        raise InvalidConfiguration(f"elbow says where the elbow is wanted, and so does {given[0]}: give one of the two")
+        raise InvalidConfiguration(f"elbow does not go with {given[0]}: give one of the two")

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from srs_ik.collision.parts import thickened
 from srs_ik.errors import NoBodies
 from srs_ik.inputs.poses import as_rigid_matrix
 from srs_ik.robot.limb import Vector
@@ -118,7 +119,8 @@ class Furnisher:
         """Name of a new mesh, which goes around points."""
         from scipy.spatial import ConvexHull
 
-        corners = vertices[ConvexHull(vertices).vertices]
+        points = thickened(vertices)
+        corners = points[ConvexHull(points).vertices]
         if len(corners) > FEW_CORNERS:
             # The farthest ones along directions that are spread evenly.
             k = np.arange(FEW_CORNERS) + 0.5

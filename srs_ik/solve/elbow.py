@@ -49,11 +49,11 @@ def solve(
     """See `Arm.solve`."""
     row, T = np.empty(ROW), as_matrix(pose)
     near = NO_SEED if seed is None else as_seed(seed, arm.lower, arm.upper)
-    psi = float(wanted_angles(arm, T[None], elbow)[0])
-    verdict = entries.solve_near(arm.family, T, psi, as_branch(branch), near, seed is not None, respect, row)
+    psi, chosen = float(wanted_angles(arm, T[None], elbow)[0]), as_branch(branch)
+    verdict = entries.solve_near(arm.family, T, psi, chosen, near, seed is not None, respect, row)
     if verdict:
         raise invalid_pose(verdict)
-    return Solution(row, arm.joint_names, arm.elbow)
+    return Solution(row, arm.joint_names, arm.told[0 if chosen < 0 else 2])
 
 
 def solve_batch(
@@ -76,4 +76,4 @@ def solve_batch(
 
     run_in_threads(work, n, threads)
     refuse_bad_poses(verdicts)
-    return BatchSolution(out, arm.joint_names, arm.elbow)
+    return BatchSolution(out, arm.joint_names, arm.told[0 if chosen < 0 else 2])

@@ -39,7 +39,10 @@ class Centres(NamedTuple):
 
 def centres(packed: PackedArm, q: Any) -> Centres:
     """See `Arm.centres`."""
-    many = np.ndim(q) > 1
+    try:
+        many = np.ndim(q) > 1
+    except ValueError:  # lists of different lengths, of which `as_joint_vectors` speaks
+        many = True
     angles = as_joint_vectors(q) if many else as_bounded_joint_vector(q)[None]
     points = np.empty((3, len(angles), 3))
     centres_range(packed.family, angles, 0, len(angles), points)

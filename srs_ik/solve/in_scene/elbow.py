@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, seed_of
+from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, refuse_bad_poses, seed_of
+from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.elbow import wanted_angles
 from srs_ik.solve.in_scene.pose import best, solve
@@ -29,6 +30,16 @@ def nearest_free(
 ) -> tuple[float, Solution] | None:
     """How far the nearest free arm angle is from a wanted one, rad, and its best posture; None where there is none."""
     free = chosen(around.all_free(T, respect), branch, None)
+    found = _nearest_in(around, T, free, psi, near, respect)
+    if found is None and not around.is_exact:
+        # Spheres leave nothing: what do the real shapes?
+        found = _nearest_in(around, T, around.by_shapes(T, respect, branch=branch)[0], psi, near, respect)
+    return found
+
+
+def _nearest_in(
+    around: Surroundings, T: Array, free: Array, psi: float, near: Array | None, respect: bool
+) -> tuple[float, Solution] | None:
     ends = [_beside(psi, float(lower), float(upper)) for _, lower, upper in free]
     for lost, wanted in sorted(set(ends)):
         answer = best(around, T, narrowed(free, wanted), wanted, near, respect)
@@ -63,6 +74,7 @@ def solve_near_batch(
 ) -> BatchSolution:
     """See `Arm.solve_batch`, with wanted elbows."""
     arm, T, wanted = around.packed, as_matrices(poses), as_branch(branch)
+    refuse_bad_poses(np.array([check_pose(pose) for pose in T]))
     psis, seeds = wanted_angles(arm, T, elbow), as_seeds(seed, len(T), arm.lower, arm.upper)
     rows = np.empty((len(T), ROW))
     hits: dict[tuple[int, ...], Collision] = {}
@@ -76,4 +88,4 @@ def solve_near_batch(
                 hits[(i,)] = answer.collision
 
     run_in_threads(work, len(T), threads)
-    return BatchSolution(rows, arm.joint_names, arm.elbow, hits)
+    return BatchSolution(rows, arm.joint_names, arm.told[0 if wanted < 0 else 2], hits)

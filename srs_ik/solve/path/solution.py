@@ -119,6 +119,8 @@ class PathSolution(BatchSolution):
         if not self:
             at = self.breaks[0].sample if self.breaks else int(np.argmin(self.ok))
             raise InvalidConfiguration(f"there is no motion through all postures: the path breaks at pose {at}")
+        if not len(self):
+            raise InvalidConfiguration("the path has no poses")
         problem, times = self._problem, self.times
         if times is None and problem is not None and problem.dt is not None:
             times = float(problem.dt) * np.arange(len(self), dtype=float)

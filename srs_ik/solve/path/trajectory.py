@@ -7,11 +7,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator, PPoly
 
+from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import as_positive
 from srs_ik.system.arrays import Array
 
 ROUNDING = 1e-9
-"""Joint angles outside the limits by this are there by rounding, rad."""
+"""Joint angles outside the limits by this are there by rounding, rad; times by this part of the whole."""
+
+MOST_SAMPLES = 10**7
+"""Samples of a motion; with angles, velocities and accelerations they are 1.8 GB."""
 
 APART = 1e-9
 """Passing times that are closer than this part of the whole are one: the path stands still there."""
@@ -23,7 +27,7 @@ class Samples(NamedTuple):
     times: Array  # (M,) s, from 0 on
     q: Array  # (M, 7) rad
     velocity: Array  # (M, 7) rad/s
-    acceleration: Array  # (M, 7) rad/s^2
+    acceleration: Array  # (M, 7) rad/s^2; that of the start is what sets it in motion, that of the end is 0
 
 
 class Trajectory:
@@ -72,7 +76,11 @@ class Trajectory:
             InvalidConfiguration: no positive period.
         """
         step = as_positive(period, "period", "seconds")
-        count = int(np.ceil(self.duration / step - ROUNDING)) + 1
+        count = int(np.ceil(self.duration * (1.0 - ROUNDING) / step)) + 1
+        if count > MOST_SAMPLES:
+            raise InvalidConfiguration(
+                f"a period of {step:g} s makes {count:g} samples; at most {MOST_SAMPLES:g} are made"
+            )
         times: Array = step * np.arange(count, dtype=float)
         if self._at_rest is not None:
             return Samples(times, self._at_rest[None].copy(), np.zeros((1, 7)), np.zeros((1, 7)))
