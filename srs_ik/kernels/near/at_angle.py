@@ -10,19 +10,26 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import read7, row
+from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
+from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, IS_NEAR, MISS, NEAR, SHIFT
-from srs_ik.kernels.limb.branches import NO_BRANCH, UNSURE, best_branch, is_on_border, is_unsure
+from srs_ik.kernels.limb.branches import NO_BRANCH, UNSURE, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near import band, on_curves
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.second_attempts import (
+    ATTEMPTS,
     STRETCHED,
+    evaluate_again,
+    found_again,
     may_be_on_line,
     nearest_on_line,
     stretched,
@@ -240,8 +247,10 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
         put_borders(P, goal, found)
         for branch in range(8):
             # The curves of an almost exact limb are not the only postures there: it has surfaces of them.
-            if on_line and found[branch, ROW_COST] >= OUTSIDE:
-                q, _, value = stretched(P, target, psi, branch, goal, J, A)
+            if P[MISS] < ROUNDED * P[FAR] and found[branch, ROW_COST] >= OUTSIDE:
+                q, value = evaluate_again(P, target, psi, branch, goal, 1, A)
+                if value >= OUTSIDE and on_line:
+                    q, _, value = stretched(P, target, psi, branch, goal, J, A)
                 if value < OUTSIDE:
                     put_found(q, value, found[branch])
     return kept
@@ -324,10 +333,11 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
         (q, best, lowest), certain = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
     if lowest < OUTSIDE or (certain and not OUTSIDE <= lowest < OUTSIDE + BARELY):
         return q, best, lowest
+    within, kept = Setting(target, by.side, True, J, A), followed.runs.shape[0]
     if respect:
         # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
-        within = Setting(target, by.side, True, J, A)
         inside = on_curves.followed_curves(P, within, on_curves.EVERY_BRANCH)
+        kept = inside.runs.shape[0]
         (q, best, lowest), _ = from_curves(P, within, inside, psi, wanted, goal, (q, best, lowest))
         if lowest < OUTSIDE or certain:
             return q, best, lowest
@@ -339,7 +349,25 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
             return q, best, lowest
     if wanted >= 0:
         close_all(P, target, psi, -1, goal, True, A)
-        other = on_border(P, A[FIRST:], wanted, goal)
-        if other[2] < lowest:
-            return other
+        other, _, value = on_border(P, A[FIRST:], wanted, goal)
+        if value < OUTSIDE and not seeded:
+            return other, wanted, value
+        if value < lowest:
+            q, best, lowest = other, wanted, value
+    attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
+    other, value = evaluate_again(P, target, psi, wanted, goal, attempts, A)
+    if value < lowest:
+        q, best, lowest = other, branch_of(P, other), value
+    if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED and P[MISS] < ON_LINE * P[FAR]:
+        other, b, value = stretched(P, target, psi, wanted, goal, J, A)
+        if value < lowest:
+            q, best, lowest = other, b, value
+        if lowest >= OUTSIDE and respect and kept == 0:
+            # Where no curve keeps the limits, an interval is that of a posture beside them.
+            other, own, value = found_again(P, target, -1, Goal(False, NO_SEED, True), J, A)
+            ahead = short_way(arm_angle(P, other, place_[0], place_[1]) - psi)
+            there = value < OUTSIDE and on_curves.is_here(P, within, other, ahead)
+            if there and (wanted < 0 or is_on_border(P, other, wanted)):
+                other, value = cost_of_turn(P, other, goal)
+                q, best, lowest = other, (wanted if wanted >= 0 else own), value
     return q, best, lowest

@@ -16,13 +16,14 @@ from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.outreach import is_almost_straight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb
-from srs_ik.kernels.layout.asked import Goal, Setting
+from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, draw_to_branch, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_starts
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.branch_search import close_starts, put_start
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 
 MORE_STEPS = 80
@@ -30,6 +31,9 @@ MORE_STEPS = 80
 
 LOOKS = 48
 """Arm angles all around the circle."""
+
+ATTEMPTS = 9
+"""Arm angles from which a given one is tried."""
 
 ALMOST = 0.1
 JITTERS = 100
@@ -52,7 +56,7 @@ ON_LIMIT = 1e-6
 """An elbow so close to a limit, rad, is on it where it is on the line S-W."""
 
 NEAR_SINGULAR = 0.05
-"""Sine of a middle angle under which a spherical joint or the elbow is close to singular."""
+"""Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
 
 
 @kernel
@@ -76,6 +80,46 @@ def bend(P, q, branch):
         bent(q[5], P[limb.WRIST + limb.PHASE], branch & 1),
         q[6],
     )
+
+
+@kernel
+def put_turned(P, q, b, i, A, k):
+    """Write the i-th start next to a posture that is bent to the sides of branch b into row k of A; how many there are.
+
+    Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
+    than their sum. So the starts turn one against the other, and bend what is straight.
+    """
+    s = bend(P, q, b)
+    turns_s = 6 if s[1] != q[1] else 1
+    turns_w = 6 if s[5] != q[5] else 1
+    against_s = -1.0 if math.cos(s[1] - P[limb.SHOULDER + limb.PHASE]) > 0.0 else 1.0
+    against_w = -1.0 if math.cos(s[5] - P[limb.WRIST + limb.PHASE]) > 0.0 else 1.0
+    ds = (i % turns_s) * math.pi / 3.0
+    dw = (i // turns_s) * math.pi / 3.0
+    put_start(A, k, (s[0] + ds, s[1], s[2] + against_s * ds), s[3], (s[4] + dw, s[5], s[6] + against_w * dw))
+    return turns_s * turns_w
+
+
+@kernel
+def evaluate_again(P, target, psi, branch, goal, attempts, A):
+    """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures."""
+    q, _, _ = best_branch(P, target.place, psi, branch, goal.seeded, goal.seed, goal.respect)
+    best = Best(q, 2.0 * NO_BRANCH)
+    for attempt in range(attempts):
+        # At the arm angle itself, then from either side of it, farther and farther.
+        from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
+        n = 0
+        for b in range(8):
+            q0, _, _ = best_branch(P, target.place, from_psi, b, False, goal.seed, False)
+            i, starts = 0, 1
+            while i < starts:
+                starts = put_turned(P, q0, b, i, A, n % 8)
+                i, n = i + 1, n + 1
+                if n % 8 == 0 or (b == 7 and i == starts):
+                    best = close_starts(P, target, psi, branch, goal, best, MORE_STEPS, A)
+        if best.cost < OUTSIDE:
+            break
+    return best
 
 
 @kernel
