@@ -177,7 +177,7 @@ def test_threads_are_checked_where_one_is_enough(arm):
 
 def test_texts_are_no_poses(arm):
     for ask in (arm.solve_batch, arm.intervals_batch, arm.reachable_batch, arm.solve_path):
-        with pytest.raises(srs_ik.InvalidPose, match="or a list of poses, not str"):
+        with pytest.raises(srs_ik.InvalidPose, match="or a list of poses, not ''"):
             ask("")
 
 

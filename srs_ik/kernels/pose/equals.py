@@ -1,4 +1,4 @@
-"""Of postures at one arm angle whose largest violation of a limit is the same, the one that comes closest on the limits.
+"""Of postures at one arm angle whose largest violation is the same, the one that comes closest on the limits.
 
 They are common: that of joint 2 is the same for both shoulders, whose joints 1 and 3 stand half a turn apart, and
 a joint that stands opposite to the middle of its range may be put on either limit.
