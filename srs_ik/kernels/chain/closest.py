@@ -2,7 +2,8 @@
 
 The measure is the square of the distance in parts of the arm's reach, plus that of the angle, the latter as 2 - 2 cos.
 From many starts, Newton's method with the true second derivatives, on the limits where they hold, finds the bottoms of
-valleys.
+valleys. Along a single joint the measure is a cosine, whose least value between two limits is known: every other start
+is taken there joint by joint first, which saves steps, but never leads into some valleys.
 Where limits leave room to stretch, lengths weigh so little that the rotation is kept (`closer_upright`, `put_upright`).
 """
 
@@ -69,6 +70,31 @@ def first(M, e, J, j):
     """Derivative of the measure by joint j."""
     skew = (M[7] - M[5], M[2] - M[6], M[3] - M[1])
     return dot((J[3, j], J[4, j], J[5, j]), skew) - 2.0 * dot(e, (J[0, j], J[1, j], J[2, j]))
+
+
+@kernel
+def bottom_of_joint(slope, curvature, angle, low, high):
+    """The angle between two limits where a cosine, known by its derivatives at an angle, is least."""
+    best = angle + math.atan2(-slope, curvature)
+    turn = 2.0 * math.pi
+    if best < low:
+        best += turn * math.ceil((low - best) / turn)
+    if best > high:
+        best -= turn * math.ceil((best - high) / turn)
+    if best >= low:
+        return best
+    # The bottom is outside: the end that is nearer to it around the circle.
+    return low if low - best < best + turn - high else high
+
+
+@kernel
+def joint_by_joint(P, q, target, J):
+    """Each joint in turn to its best angle."""
+    for j in range(7):
+        M, e, _ = surroundings(P, q, target, 1.0, J)
+        angle = bottom_of_joint(first(M, e, J, j), second(M, e, J, j, j), q[j], P[LOWER + j], P[UPPER + j])
+        q = with_joint(q, j, angle)
+    return q
 
 
 @kernel
@@ -163,7 +189,10 @@ def closest(P, q, target, J, A):
         return q
     best, lowest = q, math.inf
     for i in range(STARTS):
-        x, value = to_bottom(P, start(P, q, i), target, 1.0, lowest, J, A)
+        x = start(P, q, i)
+        if i & 1 == 0:
+            x = joint_by_joint(P, x, target, J)
+        x, value = to_bottom(P, x, target, 1.0, lowest, J, A)
         if value < lowest:
             best, lowest = x, value
     return best
