@@ -271,6 +271,12 @@ def way_across(P, by, q, t):
 
 
 @kernel
+def go_along(P, by, q, s, way):
+    """The posture so far along a unit way from one, rad, and whether it is met."""
+    return correct(P, by, along7(q, way, s), s, dot7(s, q) + way)
+
+
+@kernel
 def around_corner(P, by, q, t, way, turned_by):
     """Go on behind the corner of a curve that almost crosses another one: posture, null vector, whether it is there.
 
@@ -281,8 +287,7 @@ def around_corner(P, by, q, t, way, turned_by):
     side = dot7(turned_by, s)
     if size * ALMOST_CROSSED < 1.0 or abs(side) < SHARP:
         return q, t, False
-    across = math.copysign(CORNER, way * side)
-    there, met = correct(P, by, along7(q, across, s), s, dot7(s, q) + across)
+    there, met = go_along(P, by, q, s, math.copysign(CORNER, way * side))
     made = difference(q, there)
     next_t, sign = null_vector(by.J, along7(NO_SEED, way, made), by.A)
     return there, next_t, met and sign > 0.0 and dot7(made, made) < (MOST_OBLIQUE * CORNER) ** 2

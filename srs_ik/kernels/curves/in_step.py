@@ -238,6 +238,24 @@ def on_way(a, chord, shares):
 
 
 @kernel
+def on_cubic(before, behind, chord, shares):
+    """Eight postures of a curve at shares of a chord, by the cubic through two postures.
+
+    These are given each as its share, itself, and the way of the curve there.
+    """
+    (low, a, way_a), (high, b, way_b) = before, behind
+    width = high - low
+    more = width * dot7(chord, chord)
+    rate_a = along7(NO_SEED, more / dot7(chord, way_a), way_a)
+    rate_b = along7(NO_SEED, more / dot7(chord, way_b), way_b)
+    change = along7(b, -1.0, a)
+    third = along7(along7(rate_a, 1.0, rate_b), -2.0, change)
+    second = along7(along7(change, -1.0, rate_a), -1.0, third)
+    u = (shares - low) / width
+    return along7(along7(on_way(a, rate_a, u), u * u, second), u * u * u, third)
+
+
+@kernel
 def between_eight(P, by, start, chord):
     """The postures of a curve at eight shares of a chord, those of postures to start from, as `follow.between`.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, one_of, root, scatter
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
@@ -14,19 +14,22 @@ from srs_ik.kernels.chain.eight import branches_of, sines_of_eight, take_ways
 from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.newton_eight import curve_ways, reduced
-from srs_ik.kernels.curves.follow import between, tangent_at
+from srs_ik.kernels.curves.follow import between, correct, tangent_at
 from srs_ik.kernels.curves.in_step import (
     SAMPLE,
     SAMPLE_WAY,
     are_ways,
     between_eight,
     load_sample,
+    on_cubic,
     on_way,
+    one_of_seven,
     short_ways,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
 from srs_ik.kernels.limb.branches import sine_of
+from srs_ik.kernels.limb.goal import NO_SEED
 
 TOLD = 9
 TOLD_BRANCH, TOLD_PSI, TOLD_RATE, TOLD_MIDDLES = range(4)
@@ -225,12 +228,15 @@ def turning_between(P, by, a, b, rise, joint, rates):
     less = CLOSER**3 / 7.0**3 if turns else 1.0
     steps = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
     there = on_way(a, chord, begin + apart * steps)
+    before = behind = 0.0, a, a
+    foreseen = False
     for _ in range(ROUNDS):
         q, t, met = between_eight(P, by, there, chord)
         angles, speeds = arm_angles(P, by.target.place, q, t) if joint == ARM_ANGLE else (q[joint], t[joint])
         heights = -rise * short_ways(angles - start)
         slopes = -rise * speeds * length2 / dot7(t, chord)
         best = lowest_of_eight(heights, met)
+        foreseen = False
         if best < 0:
             break
         other = best + 1 if one_of(slopes, best) < 0.0 else best - 1
@@ -246,6 +252,9 @@ def turning_between(P, by, a, b, rise, joint, rates):
                 first, last = (low, one_of(heights, i), fall), (high, one_of(heights, j), rises)
                 share, foretold = lowest_of_cubic(first, last, 0.0)
                 error, height = less * abs(foretold - height), foretold
+                before = low, one_of_seven(q, i), one_of_seven(t, i)
+                behind = high, one_of_seven(q, j), one_of_seven(t, j)
+                foreseen = min(abs(sine_of(P, before[1], 2)), abs(sine_of(P, behind[1], 2))) > TURNING_WRIST
                 # The angle is flat where it turns: it is off by the square of what the turn is.
                 if 8.0 * error * error < TURNED * apart * (rises - fall):
                     break
@@ -253,6 +262,8 @@ def turning_between(P, by, a, b, rise, joint, rates):
                 apart = CLOSER / 7.0 * (high - low)
                 begin = min(max(share - 3.5 * apart, low), high - 7.0 * apart)
                 there = on_way(a, chord, begin + apart * steps)
+                if foreseen:
+                    there = on_cubic(before, behind, chord, begin + apart * steps)
                 continue
         share, height = begin + apart * best, one_of(heights, best)
         if high - low < FINEST:
@@ -262,5 +273,9 @@ def turning_between(P, by, a, b, rise, joint, rates):
     if share == 0.0:
         return a
     # Postures in step are off by what their singularities make of rounding.
-    turning, is_there = between(P, by, a, b, share)
+    if foreseen:
+        d = along7(NO_SEED, 1.0 / length, chord)
+        turning, is_there = correct(P, by, on_cubic(before, behind, chord, share), d, dot7(d, a) + share * length)
+    else:
+        turning, is_there = between(P, by, a, b, share)
     return turning if is_there else a
