@@ -28,7 +28,7 @@ from srs_ik.kernels.curves.follow import (
 )
 from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, on_way, one_of_seven, to_curves
 from srs_ik.kernels.curves.laid import lay_curves
-from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
+from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_behind_ends, put_mark
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, FAR, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
@@ -300,6 +300,7 @@ def follow_all(P, by, which, rows, curves):
         follow_marks(P, by.target, in_step.LONGEST_STEP, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
     n, count = extend_open(P, by, rows, curves, n, count)
+    n_missed = put_behind_ends(P, by, rows, curves, count, missed, n_missed)
     vague = 0
     bounced = np.zeros(4, np.int64)
     bring_to_curves(P, by, missed, n_off, n_missed)

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
 from srs_ik.kernels.algebra.lanes import ALL, as_bits, one_of, root, scatter, where
 from srs_ik.kernels.algebra.pointers import copy, keep, read7, row
 from srs_ik.kernels.chain.eight import put_eight, take_eight, take_ways
 from srs_ik.kernels.curves import in_step
+from srs_ik.kernels.curves.follow import ALMOST_CROSSED, go_along, tangent_at, way_across
 from srs_ik.kernels.jit import kernel
 
 MARK = 17
@@ -29,6 +30,9 @@ LONGEST_PIECE = 256
 SAME_MARK = 1e-12
 SAME_ANGLE = 1e-6
 """Marks closer than this, rad squared, are one; of each angle, rad."""
+
+BEHIND_END = 0.1
+"""Where curves almost cross, one that ends goes on to either side of it: starts are so far from there, rad."""
 
 AT_THE_END = 1.0 + 1e-12
 """A mark at the end of a step is passed by it."""
@@ -246,3 +250,21 @@ def join_pieces(marks, count, pieces, rows, curves):
             curves[k, 2] = 1.0 if at == m else 0.0
             k += 1
     return n, k
+
+
+@kernel
+def put_behind_ends(P, by, rows, curves, count, starts, n):
+    """Append starts to both sides of the ends of open curves that almost cross others there; their number."""
+    for k in range(count):
+        for end in range(2 if curves[k, 2] == 0.0 else 0):
+            q = in_step.load_sample(rows[int(curves[k, end]) - end])
+            t, sign = tangent_at(P, by, q)
+            s, size = way_across(P, by, q, t)
+            if sign == 0.0 or size * ALMOST_CROSSED < 1.0:
+                continue
+            for side in range(2):
+                there, met = go_along(P, by, q, s, BEHIND_END if side == 0 else -BEHIND_END)
+                if met and n < starts.shape[0]:
+                    store7(row(starts, n), 0, there)
+                    n += 1
+    return n
