@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -196,7 +195,7 @@ def _area(vertices: Array, faces: NDArray[np.int64]) -> float:
 
 def covered_mesh(vertices: Array, faces: NDArray[np.int64], count: int) -> tuple[Array, float]:
     """`cover` of a mesh, kept on disk."""
-    key = hashlib.sha256(vertices.tobytes() + faces.tobytes() + str(count).encode()).hexdigest()
+    key = store.key_of(str(count), vertices, faces)
     kept = store.load(key)
     if kept is None:
         found = cover(vertices, faces, count)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from srs_ik.errors import InvalidScene, quoted
 from srs_ik.kinematics import ChainKinematics
 from srs_ik.system.forks import WHOLE
+from srs_ik.system.waiting import said_if_long
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
@@ -158,7 +159,8 @@ class BodyOwner(ChainKinematics):
     def _found(self) -> tuple[list[Body], list[Pair], list[JointRange]]:
         state = self.__dict__
         if "_bodies_found" not in state:
-            with WHOLE, _finding:
+            words = f"{self.name}: spheres that cover its links, and which of them can meet, are found once and kept"
+            with WHOLE, _finding, said_if_long(words):
                 if "_bodies_found" not in state:
                     state["_bodies_found"] = self._find()
         found: tuple[list[Body], list[Pair], list[JointRange]] = state["_bodies_found"]

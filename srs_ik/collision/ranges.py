@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from heapq import heappop, heappush
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -178,8 +178,3 @@ def _cut(
         if low[k] > high[k]:
             return low, high, each
     return low, high, None
-
-
-def key_of(*arrays: Any) -> bytes:
-    """What tells one question for ranges from another."""
-    return b"".join(np.ascontiguousarray(array).tobytes() for array in arrays)

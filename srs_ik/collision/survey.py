@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from heapq import heapify, heappop, heappush
@@ -13,7 +12,7 @@ import numpy as np
 from srs_ik.collision import store
 from srs_ik.collision.bodies import Body
 from srs_ik.collision.forms import is_round
-from srs_ik.collision.ranges import BOXES, FINE, PART, Bounds, JointRange, key_of
+from srs_ik.collision.ranges import BOXES, FINE, PART, Bounds, JointRange
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
@@ -60,8 +59,6 @@ _ENOUGH = 0.8
 
 _NEVER = 1e3
 """Stands for a distance without end, m."""
-
-_DIGITS = 12
 
 _APART = 1e-4
 """Bodies nearer than this, m, are not taken to be apart: coal's own tolerance is 1e-6."""
@@ -114,19 +111,19 @@ class Survey:
             return False
         if not all(self._spheres_meet(i, j, q) for q in self._angles):
             return False
-        return self._told_once(self._digest(i, j, f"apart {MANY}".encode()), lambda: self._apart_at_many(i, j))
+        return self._told_once(self._key(i, j, f"apart {MANY}"), lambda: self._apart_at_many(i, j))
 
     def _apart_at_many(self, i: int, j: int) -> bool:
         angles = np.random.default_rng(1).uniform(self._lower, self._upper, (MANY, 7))
         return all(not self._touch(self._frames(q, i, j), i, j) for q in angles)
 
     @staticmethod
-    def _told_once(digest: str, find: Callable[[], bool]) -> bool:
+    def _told_once(key: str, find: Callable[[], bool]) -> bool:
         """A verdict that is kept on disk."""
-        kept = store.load(digest)
+        kept = store.load(key)
         if kept is None:
             kept = np.full((1, 4), float(find()))
-            store.keep(digest, kept)
+            store.keep(key, kept)
         return bool(kept[0, 0])
 
     def _spheres_meet(self, i: int, j: int, q: Array) -> bool:
@@ -151,8 +148,8 @@ class Survey:
         k, other = joints
         turn = float(self._lower[other]), float(min(self._upper[other], self._lower[other] + 2.0 * np.pi))
         reaches = self._reaches(i, j).tolist()
-        digest = self._digest(i, j, f"range {which}".encode())
-        kept = store.load(digest)
+        key = self._key(i, j, f"range {which}")
+        kept = store.load(key)
         if kept is None:
             q = 0.5 * (self._lower + self._upper)
 
@@ -164,7 +161,7 @@ class Survey:
 
             bounds = Bounds(distance, turn, (reaches[which], reaches[1 - which]))
             kept = np.clip(bounds.over(float(self._lower[k]), float(self._upper[k])), -_NEVER, _NEVER)
-            store.keep(digest, kept)
+            store.keep(key, kept)
         edges = np.append(kept[:, 0], kept[-1, 1])
         return JointRange(i, j, k, edges, kept[:, 2].copy(), kept[:, 3].copy())
 
@@ -189,8 +186,8 @@ class Survey:
         return float((np.linalg.norm(across, axis=1) + rows[:, 3]).max())
 
     def _always_touch(self, i: int, j: int) -> bool:
-        digest = self._digest(i, j, f"touch {POSTURES} {ALWAYS} {_HAIR}".encode())
-        return self._told_once(digest, lambda: self._touch_at_random(i, j))
+        key = self._key(i, j, f"touch {POSTURES} {ALWAYS} {_HAIR}")
+        return self._told_once(key, lambda: self._touch_at_random(i, j))
 
     def _touch_at_random(self, i: int, j: int) -> bool:
         free = 0
@@ -212,8 +209,8 @@ class Survey:
         Its bounds are minus infinity where that is not proved.
         """
         first, last = self._bodies[i].joint, self._bodies[j].joint
-        digest = self._digest(i, j, b"where")
-        kept = store.load(digest)
+        key = self._key(i, j, "where")
+        kept = store.load(key)
         if kept is None:
             kept = np.full((BOXES + 1, 4), -np.inf)
             boxes = self._proved(i, j)
@@ -229,7 +226,7 @@ class Survey:
                     best = _told(found)
                     kept[:, 0], kept[:-1, 1], kept[:, 2], kept[:, 3] = edges, bounds, k, found.share()
             kept = np.clip(kept, -_NEVER, _NEVER)
-            store.keep(digest, kept)
+            store.keep(key, kept)
         if kept[0, 3] < _ENOUGH:
             return None
         tops = np.full(len(kept) - 1, _NEVER)
@@ -286,14 +283,12 @@ class Survey:
                 heappush(heap, (box[0], 2 * k + part, box))
         return [(bound, lower, upper) for bound, _, _, lower, upper in (*doubtful, *(entry[2] for entry in heap))]
 
-    def _digest(self, i: int, j: int, what: bytes) -> str:
-        """What tells a question about two bodies from all others."""
+    def _key(self, i: int, j: int, what: str) -> str:
+        """Of a question about two bodies; the same on any base."""
         bodies = self._bodies[i], self._bodies[j]
         figures = [figure for body in bodies for figure in (body.spheres, *(form.T for form in body.forms))]
-        what += f" {BOXES} {FINE} {PART} {_CLOSE} {_AMPLE} {_STEPS}".encode()
-        # Without the last digits, and without minus zeros: what is kept on disk is found again on any base.
-        zero = self._zero.round(_DIGITS) + 0.0
-        return hashlib.sha256(what + key_of(self._lower, self._upper, zero, *figures)).hexdigest()
+        what += f" {BOXES} {FINE} {PART} {_CLOSE} {_AMPLE} {_STEPS}"
+        return store.key_of(what, self._lower, self._upper, self._zero, *figures)
 
 
 def _told(found: JointRange) -> float:
