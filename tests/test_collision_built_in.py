@@ -1,4 +1,4 @@
-"""What comes with the package for the bodies of the built-in arms, and the word to whoever waits for those of others."""
+"""What comes with the package for the bodies of the built-in arms, and the word to whoever waits for others."""
 
 import subprocess
 import sys
