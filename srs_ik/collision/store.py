@@ -12,8 +12,9 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from srs_ik.system.arrays import Array, Integers
+from srs_ik.system.arrays import Array
 from srs_ik.system.writing import write_whole
 
 BUILT_IN = Path(__file__).with_name("built_in.npz")
@@ -35,7 +36,7 @@ def _folder() -> Path | None:
     return (Path(root) if root else Path.home() / ".cache") / "srs_ik" / "spheres"
 
 
-def key_of(what: str, *figures: Array | Integers) -> str:
+def key_of(what: str, *figures: Array | NDArray[np.int64]) -> str:
     """What tells a question from all others: without last digits and minus zeros, which differ between machines."""
     digest = hashlib.sha256(what.encode())
     for array in figures:
