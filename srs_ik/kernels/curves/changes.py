@@ -5,21 +5,25 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way, store7
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way, store7, with_joint
+from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, where
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
 from srs_ik.kernels.chain.newton import elbow_across
 from srs_ik.kernels.curves.ends import ON_LIMIT, infeasibility, inside_of_blur, on_chord, on_curve, sample_before
-from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector
-from srs_ik.kernels.curves.in_step import ARC, load_sample
+from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector, share_beside
+from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample
 from srs_ik.kernels.curves.told import (
     TOLD_MIDDLES,
     TOLD_PSI,
     TOLD_RATE,
     TOLD_SINES,
+    TURNING_WRIST,
     angle_at,
+    arm_angles,
     rate_at,
     turns_back,
 )
@@ -36,6 +40,11 @@ CHANGE = 11
 CHANGE_AT, CHANGE_PSI, CHANGE_RATE, CHANGE_MIDDLE, CHANGE_POSTURE = range(5)
 """A change of branch: parameter of the curve, arm angle and its rate there, which middle angle changes sides (0
 shoulder, 1 elbow, 2 wrist), and the posture."""
+
+MET = CHANGE + 1
+MET_ROW = CHANGE
+MOST_MET = 64
+"""A change that is met in step, the row of the sample behind it (-1 if it is not met after all), and room for them."""
 
 SAME = 1e-12
 """A posture that keeps its limits without having been moved by more than this, rad, tells what it told before."""
@@ -176,6 +185,71 @@ def change_between(P, by, curve, middle, a, b):
 
 
 @kernel
+def put_start(P, rows, i, middle, sines, met, n):
+    """Append the start from which Newton's method meets a change between samples i - 1 and i; how many there are."""
+    a, b = load_sample(rows[i - 1]), load_sample(rows[i])
+    joint, phase = 1 + 2 * middle, phase_of(P, middle)
+    start = along7(a, sines[0] / (sines[0] - sines[1]), difference(a, b))
+    angle = phase + math.pi * math.floor((start[joint] - phase) / math.pi + 0.5)
+    met[n, MET_ROW], met[n, CHANGE_MIDDLE] = i, middle
+    store7(row(met, n), CHANGE_POSTURE, with_joint(start, joint, angle))
+    return n + 1
+
+
+@kernel
+def meet_eight(P, by, met):
+    """Bring eight starts to the changes, in whose rows they are; which are met, as bits."""
+    middles = gather(met, CHANGE_MIDDLE, MET)
+    none = 0.0 * middles
+    shoulder, elbow = where(middles < 0.5, none + 1.0, none), where(middles < 0.5, none, none + 1.0)
+    start = take_ways(met, CHANGE_POSTURE, MET)
+    q, t, there = between_eight(P, by, start, (none, shoulder, none, elbow, none, none, none))
+    psi, rate = arm_angles(P, by.target.place, q, t)
+    there &= as_bits(abs(sines_of_eight(P, q)[2]) > TURNING_WRIST)
+    put_eight(row(met, CHANGE_POSTURE), MET, there, q)
+    scatter(met, CHANGE_PSI, MET, psi)
+    scatter(met, CHANGE_RATE, MET, rate)
+    return there
+
+
+@kernel
+def meet_changes(P, by, rows, runs, told, met):
+    """Meet the changes of shoulder and elbow between samples of runs, eight in step, in rows of met; their number.
+
+    Steps in eight divide by what axes 5 to 7 span: the wrist's own changes are met one by one.
+    """
+    n = 0
+    for index in range(runs.shape[0]):
+        for i in range(int(runs[index, 3]) + 1, int(runs[index, 4])):
+            for middle in range(2):
+                sines = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
+                if (sines[0] >= 0.0) != (sines[1] >= 0.0) and n < MOST_MET:
+                    n = put_start(P, rows, i, middle, sines, met, n)
+    for k in range(n, 8 * ((n + 7) // 8)):
+        copy(row(met, n - 1), row(met, k), MET)
+    for first in range(0, n, 8):
+        there = meet_eight(P, by, row(met, first))
+        for k in range(first, min(first + 8, n)):
+            i = int(met[k, MET_ROW])
+            start, end = load_sample(rows[i - 1]), load_sample(rows[i])
+            share, beside = share_beside(start, end, read7(row(met[k], CHANGE_POSTURE)))
+            met[k, CHANGE_AT] = rows[i - 1, 0] + share * (rows[i, 0] - rows[i - 1, 0])
+            if (there >> (k - first)) & 1 == 0 or not beside or not 0.0 < share < 1.0:
+                met[k, MET_ROW] = -1.0
+    return n
+
+
+@kernel
+def row_of_met(met, i, middle):
+    """The row of the change of a middle angle between samples i - 1 and i among those met; -1 where it is not."""
+    found = -1
+    for k in range(met.shape[0]):
+        if int(met[k, MET_ROW]) == i and int(met[k, CHANGE_MIDDLE]) == middle:
+            found = k
+    return found
+
+
+@kernel
 def rate_of_sine(P, q, middle, rate):
     """How fast the sine of a middle angle changes that changes at some rate itself."""
     return math.cos(q[1 + 2 * middle] - phase_of(P, middle)) * rate
@@ -255,8 +329,12 @@ def goes_on(P, curve, i, told, rise):
 
 
 @kernel
-def find_changes(P, by, curve, i, told, changes):
-    """Write the changes of branch between samples i - 1 and i, in their order, into rows of changes; their number."""
+def find_changes(P, by, curve, i, known, changes):
+    """Write the changes of branch between samples i - 1 and i, in their order, into rows of changes; their number.
+
+    `known` holds what samples tell, and the changes that have been met.
+    """
+    told, met = known
     x_a, x_b = curve.rows[i - 1, 0], curve.rows[i, 0]
     n = 0
     for middle in range(3):
@@ -264,7 +342,12 @@ def find_changes(P, by, curve, i, told, changes):
             continue
         at_a, at_b = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
         if (at_a >= 0.0) != (at_b >= 0.0):
-            n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x_b, at_b)), middle)
+            k = row_of_met(met, i, middle)
+            if k >= 0:
+                at, q = (met[k, CHANGE_AT], met[k, CHANGE_PSI], met[k, CHANGE_RATE]), read7(row(met[k], CHANGE_POSTURE))
+                n = put_change(changes, n, Place(at, q), middle)
+            else:
+                n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x_b, at_b)), middle)
             continue
         rate_a, rate_b = rates_of_sine(P, curve, i, told, middle)
         x, at_x, found = dip_between(P, by, curve, middle, (x_a, at_a, rate_a), (x_b, at_b, rate_b))

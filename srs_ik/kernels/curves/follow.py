@@ -189,11 +189,18 @@ def meet(P, by, chord, q, joint, angle):
     The chord is given as its ends.
     """
     q, met = correct(P, by, q, only(joint, 1.0), angle)
-    way, to_q = difference(chord[0], chord[1]), difference(chord[0], q)
+    share, beside = share_beside(chord[0], chord[1], q)
+    return q, share, met and beside
+
+
+@kernel
+def share_beside(start, end, q):
+    """The share of a chord at which a posture that was looked for there is passed, and whether it is not astray."""
+    way, to_q = difference(start, end), difference(start, q)
     length2 = dot7(way, way)
     share = dot7(to_q, way) / length2
     off = along7(to_q, -share, way)
-    return q, share, met and dot7(off, off) <= ASTRAY * length2
+    return share, dot7(off, off) <= ASTRAY * length2
 
 
 @kernel

@@ -133,7 +133,8 @@ def told_runs(P, by, samples, n_samples, runs, are_all):
     """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
     told = np.empty((samples.shape[0], TOLD))
     tell_samples(P, by, Samples(samples, 0, n_samples), told)
-    changes = np.empty((crossing.MOST_CHANGES, crossing.CHANGE))
+    changes, met = np.empty((crossing.MOST_CHANGES, crossing.CHANGE)), np.empty((crossing.MOST_MET, crossing.MET))
+    known = told, met[: crossing.meet_changes(P, by, samples, runs, told, met)]
     room = n_samples + 2 * MAX_SPANS
     out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), are_all)
     n = 0
@@ -143,7 +144,7 @@ def told_runs(P, by, samples, n_samples, runs, are_all):
         branch = int(told[curve.first, TOLD_BRANCH])
         for i in range(curve.first, curve.last):
             on = i == curve.first or crossing.goes_on(P, curve, i, told, told[i - 1, TOLD_RATE])
-            for c in range(0 if on else crossing.find_changes(P, by, curve, i, told, changes)):
+            for c in range(0 if on else crossing.find_changes(P, by, curve, i, known, changes)):
                 x = changes[c, crossing.CHANGE_AT]
                 inside, outside = max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0])
                 there = crossing.place_beside(P, by, curve, changes[c], inside)
