@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.collision.figures import refuse_margin
 from srs_ik.collision.owner import BodyOwner, BodyPlan
 from srs_ik.errors import InvalidConfiguration, NotAnSrsLimb
+from srs_ik.inputs.angles import as_bounded_joint_vector
 from srs_ik.inputs.elbow import refuse_beside
-from srs_ik.inputs.numbers import as_flag
-from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_gravity, as_rigid_matrix
+from srs_ik.inputs.numbers import as_flag, as_gravity
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kernels.entries import kinematics as entries
 from srs_ik.robot import changes
 from srs_ik.robot.chain import Chain

@@ -14,10 +14,11 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration, InvalidRobot, SrsIkError, did_you_mean, quoted
+from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.messages import picked, positions_by_name
 from srs_ik.inputs.numbers import real_array
-from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix
+from srs_ik.inputs.poses import PoseError, PoseLike, as_rigid_matrix
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.locked import configuration_of
 from srs_ik.robot.skeleton import is_revolute

@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.analysis.ellipsoids import RANK_TOLERANCE, UNITS, limits_of, rows_of
 from srs_ik.analysis.gravity import gravity_torque
 from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra, quoted
-from srs_ik.inputs.numbers import as_flag, real_array
-from srs_ik.inputs.poses import as_joint_vector, as_positive
+from srs_ik.inputs.angles import as_joint_vector
+from srs_ik.inputs.numbers import as_flag, as_positive, real_array
 from srs_ik.kinematics import ChainKinematics, check_arm
 from srs_ik.system.arrays import Array
 

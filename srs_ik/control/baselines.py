@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike
 
 from srs_ik.analysis.gravity import require_masses
 from srs_ik.arm import Arm
+from srs_ik.inputs.angles import as_bounded_joint_vector, as_joint_vector
 from srs_ik.inputs.control import not_negative, one_of, positive, thing, vector
-from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_joint_vector, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.system.arrays import Array
 
 Inverse = Literal["pinv", "damped"]

@@ -12,8 +12,9 @@ from srs_ik.analysis.gravity import require_masses
 from srs_ik.arm import Arm
 from srs_ik.control.impedance import FractalImpedance, JointLimits, JointSpeeds
 from srs_ik.errors import InvalidConfiguration, InvalidController, InvalidTask, quoted
+from srs_ik.inputs.angles import as_bounded_joint_vector, as_joint_vector
 from srs_ik.inputs.control import flag, seven_positive, thing, things, vector
-from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_joint_vector, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
 from srs_ik.system.arrays import Array

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from srs_ik.arm import Arm
 from srs_ik.inputs import control as given
-from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
+from srs_ik.inputs.angles import as_bounded_joint_vector
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.system.arrays import Array
 
 

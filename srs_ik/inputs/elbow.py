@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from srs_ik.errors import InvalidConfiguration, quoted
+from srs_ik.inputs.angles import as_arm_angle
 from srs_ik.inputs.numbers import real_array
-from srs_ik.inputs.poses import as_arm_angle
 from srs_ik.system.arrays import Array
 
 FARTHEST_POINT = 1e6

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration, SrsIkError, quoted
 from srs_ik.system.arrays import Array
 
 _REAL = "biufO"
 """Kinds of arrays that hold numbers, or objects that may be some; text and records would be read as figures."""
+
+FLOAT = np.dtype(np.float64)
+
+LARGEST_GRAVITY = 1e6
+"""m/s^2; torques of larger ones are no figures of an arm."""
+
+
+def is_plain(values: Any) -> TypeGuard[Array]:
+    """Whether a kernel can read an array as it is: floats in C order, in writeable memory."""
+    return type(values) is np.ndarray and values.dtype is FLOAT and values.flags.carray
 
 
 def real_array(values: Any) -> Array:
@@ -88,3 +99,27 @@ def as_flag(value: Any, what: str, error: type[SrsIkError] = InvalidConfiguratio
     if isinstance(value, np.bool_):
         return bool(value)
     raise error(f"{what} must be True or False, not {quoted(value)}")
+
+
+def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = InvalidConfiguration) -> float:
+    """A finite number above zero; raises the error, in which `what` names it, for anything else, True among it."""
+    number = math.nan if isinstance(value, bool | np.bool_) else real_number(value)
+    if not 0.0 < number < math.inf:
+        raise error(f"{what} must be a positive number of {unit}, not {quoted(value)}")
+    return number
+
+
+def as_gravity(gravity: ArrayLike) -> Array:
+    """The acceleration of gravity as a (3,) array of floats.
+
+    Raises:
+        InvalidConfiguration: not three finite numbers, or one beyond `LARGEST_GRAVITY`.
+    """
+    try:
+        array = real_array(gravity)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (3,) or not np.abs(array).max() <= LARGEST_GRAVITY:
+        usual = f"m/s^2, up to {LARGEST_GRAVITY:g}, such as [0, 0, -9.81]"
+        raise InvalidConfiguration(f"gravity must be 3 numbers, {usual}, not {quoted(gravity)}")
+    return array

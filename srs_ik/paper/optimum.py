@@ -17,8 +17,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration, InvalidTask, quoted
-from srs_ik.inputs.numbers import as_flag, real_array
-from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_positive, as_rigid_matrix
+from srs_ik.inputs.angles import as_joint_vector
+from srs_ik.inputs.numbers import as_flag, as_positive, real_array
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.solve.objectives import Objective
 from srs_ik.system.arrays import Array

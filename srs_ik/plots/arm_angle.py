@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srs_ik.analysis.ellipsoids import manipulability
-from srs_ik.inputs.poses import as_branch, as_matrix
+from srs_ik.inputs.angles import as_branch
+from srs_ik.inputs.poses import as_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import EMPTY, FORCE, JOINT, VELOCITY, new_figure
 from srs_ik.plots.intervals import bars, whole_circle

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from srs_ik.analysis.ellipsoids import Ellipsoid, force_ellipsoid, limits_of, velocity_ellipsoid
 from srs_ik.errors import InvalidTask
-from srs_ik.inputs.poses import as_joint_vector
+from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import FORCE, VELOCITY, new_figure
 from srs_ik.plots.solids import Skeleton, Solid, arm_solids, collection, ellipsoid, skeleton

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.inputs.poses import PoseLike, as_positive, as_rigid_matrix
+from srs_ik.inputs.numbers import as_positive
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.preview import palette
 from srs_ik.preview.live import LivePage

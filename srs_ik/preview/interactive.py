@@ -10,7 +10,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix, as_seed
+from srs_ik.inputs.angles import as_arm_angle, as_joint_vector, as_seed
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.preview.circle import arc_solids, circle_solids
 from srs_ik.preview.inbox import FARTHEST, number, numbers
 from srs_ik.preview.live import LivePage

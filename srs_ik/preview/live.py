@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import PreviewError
-from srs_ik.inputs.poses import as_joint_vector
+from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.kinematics import check_arm
 from srs_ik.preview import solids
 from srs_ik.preview.page import PageCanvas, rotation, serve, stop

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.numbers import real_array
-from srs_ik.inputs.poses import as_branch, as_positive
+from srs_ik.inputs.angles import as_branch
+from srs_ik.inputs.numbers import as_positive, real_array
 from srs_ik.solve.self_motion import through
 from srs_ik.system.arrays import Array
 

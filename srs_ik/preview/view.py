@@ -15,7 +15,8 @@ import trimesh
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidScene, PreviewError, quoted
-from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
+from srs_ik.inputs.angles import as_joint_vector
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.preview import marks, palette, solids, words
 from srs_ik.preview.canvas import Canvas

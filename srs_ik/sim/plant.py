@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from srs_ik.arm import Arm
 from srs_ik.errors import InvalidController
+from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.control import flag, one_of, positive, seven_not_negative, thing, torques, vector
-from srs_ik.inputs.poses import as_joint_vector
 from srs_ik.robot.limb import Vector
 from srs_ik.sim.furnish import Furnisher
 from srs_ik.sim.model import import_mujoco, make_spec, require_inertias

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from srs_ik.errors import InvalidPose
-from srs_ik.inputs.poses import as_branches, as_matrices, per_pose, refuse_bad_poses
+from srs_ik.inputs.angles import as_branches, per_pose
+from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
 from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.packed import PackedArm

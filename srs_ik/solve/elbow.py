@@ -7,18 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from srs_ik.inputs.angles import NO_SEED, as_branch, as_seed, as_seeds
 from srs_ik.inputs.elbow import as_elbow
-from srs_ik.inputs.poses import (
-    NO_SEED,
-    PoseLike,
-    as_branch,
-    as_matrices,
-    as_matrix,
-    as_seed,
-    as_seeds,
-    invalid_pose,
-    refuse_bad_poses,
-)
+from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.packed import PackedArm

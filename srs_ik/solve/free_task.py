@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask
+from srs_ik.inputs.angles import as_seeds, seed_of
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
-from srs_ik.inputs.poses import as_seeds, seed_of
 from srs_ik.inputs.task import Task
 from srs_ik.solve.solution import Status
 from srs_ik.solve.task import BatchTaskSolution, TaskSolution

@@ -9,18 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask
+from srs_ik.inputs.angles import NO_SEEDS, as_seed, as_seeds, seed_of
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
-from srs_ik.inputs.poses import (
-    NO_SEEDS,
-    PoseLike,
-    as_matrices,
-    as_matrix,
-    as_seed,
-    as_seeds,
-    invalid_pose,
-    refuse_bad_poses,
-    seed_of,
-)
+from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import freedom as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.freedom import MOST_STARTS, START, WORK

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.inputs.poses import as_bounded_joint_vector, as_joint_vectors
+from srs_ik.inputs.angles import as_bounded_joint_vector, as_joint_vectors
 from srs_ik.kernels.entries.kinematics import centres_range, forward_range, jacobian_range
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.threads import run_in_threads

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scales
 from srs_ik.errors import InvalidTask, did_you_mean, listed, quoted
+from srs_ik.inputs.angles import as_joint_vector, refuse_bad_angles
 from srs_ik.inputs.numbers import as_flag, real_array, real_number
-from srs_ik.inputs.poses import as_joint_vector, refuse_bad_angles
 from srs_ik.kernels.layout import objectives as kinds
 from srs_ik.kernels.layout.limb import SMALLEST_RANGE
 from srs_ik.kinematics import check_arm

@@ -8,19 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import (
-    NO_SEED,
-    PoseLike,
-    as_arm_angle,
-    as_branch,
-    as_matrices,
-    as_matrix,
-    as_seed,
-    as_seeds,
-    invalid_pose,
-    per_pose,
-    refuse_bad_poses,
-)
+from srs_ik.inputs.angles import NO_SEED, as_arm_angle, as_branch, as_seed, as_seeds, per_pose
+from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW
 from srs_ik.solve.packed import PackedArm

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.inputs.angles import as_seeds, seed_of
 from srs_ik.inputs.freedom import FreeAxis
-from srs_ik.inputs.poses import as_seeds, seed_of
 from srs_ik.inputs.task import Task
 from srs_ik.kernels.layout import task as at
 from srs_ik.kernels.layout.answer import ROW_STATUS

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srs_ik.errors import InvalidConfiguration, quoted
-from srs_ik.inputs.poses import PoseLike, as_branch, as_rigid_matrix
+from srs_ik.inputs.angles import as_branch
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.intervals import intervals

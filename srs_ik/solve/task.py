@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask
-from srs_ik.inputs.poses import as_seeds
+from srs_ik.inputs.angles import as_seeds
 from srs_ik.inputs.task import Task
 from srs_ik.kernels.entries import task as entries
 from srs_ik.kernels.layout import task as at

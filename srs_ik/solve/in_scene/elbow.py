@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, refuse_bad_poses, seed_of
+from srs_ik.inputs.angles import as_branch, as_seeds, seed_of
+from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
 from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.elbow import wanted_angles

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
+from srs_ik.inputs.angles import as_seeds, seed_of
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
-from srs_ik.inputs.poses import as_matrices, as_seeds, seed_of
+from srs_ik.inputs.poses import as_matrices
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.solve import freedom, pose
 from srs_ik.solve.goals import goal_of

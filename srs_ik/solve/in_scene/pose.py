@@ -9,17 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import (
-    NO_SEED,
-    NO_SEEDS,
-    as_branch,
-    as_matrices,
-    as_seeds,
-    invalid_pose,
-    per_pose,
-    refuse_bad_poses,
-    seed_of,
-)
+from srs_ik.inputs.angles import NO_SEED, NO_SEEDS, as_branch, as_seeds, per_pose, seed_of
+from srs_ik.inputs.poses import as_matrices, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import collision as entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from srs_ik.collision.scene import Scene
+from srs_ik.inputs.angles import as_arm_angle, as_branch, as_seed
 from srs_ik.inputs.freedom import as_free_axis
-from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_branch, as_matrix, as_seed
+from srs_ik.inputs.poses import PoseLike, as_matrix
 from srs_ik.solve.in_scene import pose as pose_solver
 from srs_ik.solve.in_scene.surroundings import Surroundings
 from srs_ik.solve.solution import Interval

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from srs_ik.inputs.poses import as_seeds, seed_of
+from srs_ik.inputs.angles import as_seeds, seed_of
 from srs_ik.kernels.layout import task as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.solve import rolled_task

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
-from srs_ik.inputs.numbers import per_joint
-from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
+from srs_ik.inputs.angles import as_joint_vector, as_seed
+from srs_ik.inputs.numbers import as_positive, per_joint
+from srs_ik.inputs.poses import as_matrices
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,

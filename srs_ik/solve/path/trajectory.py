@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator, PPoly
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import as_positive
+from srs_ik.inputs.numbers import as_positive
 from srs_ik.system.arrays import Array
 
 ROUNDING = 1e-9

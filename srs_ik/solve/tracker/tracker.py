@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration, InvalidPose, MissingLimits, quoted
+from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
-from srs_ik.inputs.numbers import per_joint, real_number
-from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_matrix, as_positive, as_rigid_matrix
+from srs_ik.inputs.numbers import as_positive, per_joint, real_number
+from srs_ik.inputs.poses import PoseLike, as_matrix, as_rigid_matrix
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.objectives import PARAMS
