@@ -45,6 +45,9 @@ def test_a_seed_chooses_the_branch():
     assert found["branch"] == plain["branch"] ^ 2
     assert found["q"] == pytest.approx(seed, abs=1e-8)
     assert found["q"] == arms.load("iiwa14").solve_task(task, respect_limits=False, seed=seed).q.tolist()
+    in_degrees = [str(angle) for angle in np.rad2deg(seed)]
+    assert answer(*words, "--seed", *in_degrees, "--degrees")["q"] == pytest.approx(seed, abs=1e-8)
+    assert "Then add --degrees" in run(*words, "--seed", *in_degrees).stderr
     result = run(*words, "--seed", *"1234567"[:6], "x")
     assert (result.exit_code, "--seed" in result.stderr) == (2, True)
 

@@ -123,6 +123,16 @@ def test_joints_that_cannot_be_at_zero_are_told_where_they_count():
     assert report.describe().endswith("; locked on the way to it: lift at 0.2, waist, turn.")
 
 
+def test_joints_between_the_arm_and_its_tip_that_stand_still_are_told():
+    said = r"the arm ends with j7, and on the way to the tip 'nail' finger stands still at zero: is this the arm"
+    with pytest.warns(UserWarning, match=said):
+        srs_ik.load(body(), tip="nail")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        srs_ik.load(body(), tip="nail", locked={"finger": 0.0})
+        srs_ik.load(body(), base="floor", tip="l7")
+
+
 def test_a_joint_that_mimics_a_locked_one_is_asked_for():
     slide = joint("second", "l7", "plate", "prismatic", "0 0 1", 0.0, 1.0, '<mimic joint="lift"/>')
     xml = body().replace("</robot>", slide + "</robot>")

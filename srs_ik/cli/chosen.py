@@ -33,7 +33,9 @@ AllowXacro = Annotated[
 ]
 Lock = Annotated[
     list[str] | None,
-    typer.Option("--lock", metavar="NAME:=VALUE", help="Where another joint stands, rad or m; repeatable. Else at 0."),
+    typer.Option(
+        "--lock", metavar="NAME:=VALUE", help="Where another joint stands, always in rad or m; repeatable. Else 0."
+    ),
 ]
 
 READING: Mapping[str, tuple[Any, Any]] = {

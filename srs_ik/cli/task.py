@@ -10,7 +10,7 @@ import typer
 from srs_ik.cli import freedom
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Hand, Seven, Source, Three, WrongInput, fail, numbers
-from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
+from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def task(
     tie: Annotated[Tie, typer.Option(help="Elbow to take where one is above the other.")] = Tie.LOWER,
     seed: Annotated[
         Seven | None,
-        typer.Option(metavar=JOINTS, help="Joint angles to stay near, rad: in branch, and in a roll left free."),
+        typer.Option(metavar=JOINTS, help="Joint angles to stay near: in branch, and in a roll left free."),
     ] = None,
     hand: Hand = None,
     free_axis: freedom.Axis = None,
@@ -72,6 +72,7 @@ def task(
     scene: SceneFile = None,
     margin: Margin = None,
     exact: Exact = False,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--seed, --cone).")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Find the posture that suits a task, and the joint angles for it.
@@ -86,9 +87,10 @@ def task(
     given: dict[str, Any] = {
         name: None if words is None else numbers(f"--{name}", words) for name, words in directions.items()
     }
+    unit = unit_of(degrees)
     position = numbers("--xyz", xyz)
     axes = None if hand is None else numbers("--hand", hand)
-    start = None if seed is None else angles("--seed", seed, 1.0, "")
+    start = None if seed is None else angles("--seed", seed, unit)
 
     from srs_ik.inputs.task import Task
     from srs_ik.loading import load
@@ -96,7 +98,7 @@ def task(
 
     wanted = Task(position, **given)
     around = read(scene, margin, exact)
-    free = freedom.read(free_axis, cone, 1.0)
+    free = freedom.read(free_axis, cone, unit)
     arm = load(
         source,
         **chosen,

@@ -21,7 +21,7 @@ from srs_ik.robot.chain import Chain, build_chain
 from srs_ik.robot.description.srdf import chain_of
 from srs_ik.robot.limb import Hand, SrsLimb, Vector
 from srs_ik.robot.locked import as_locked, configuration_of
-from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range
+from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range, still_beyond
 from srs_ik.robot.recognition import default_reference, recognise
 from srs_ik.robot.sides import is_meant
 from srs_ik.robot.skeleton import Skeleton
@@ -168,7 +168,11 @@ def _warn_of_oddities(description: Description, chain: Chain, limb: SrsLimb, giv
     """Warn of what is odd in a description, but for the limits of joints for which others are given."""
     ranges = zip(chain.joint_names, chain.lower.tolist(), chain.upper.tolist(), strict=True)
     limits = {name: (lower, upper) for name, lower, upper in ranges if name not in given}
-    elsewhere = out_of_range(description.robot.model, chain.between, description.locked)
+    model, locked = description.robot.model, description.locked
+    elsewhere = [
+        *out_of_range(model, chain.between, locked),
+        *still_beyond(model, chain.joint_names[-1], chain.between, chain.tip, locked),
+    ]
     for clause in (*odd_limits(limits), *odd_size(limb), *elsewhere):
         warnings.warn(f"{description.robot.source}: {clause}", UserWarning, stacklevel=4)
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from srs_ik.errors import listed
+from srs_ik.errors import listed, quoted
 from srs_ik.robot.limb import SrsLimb
 from srs_ik.robot.locked import ROUNDING
 from srs_ik.robot.skeleton import limits_of
@@ -54,3 +54,19 @@ def out_of_range(model: Any, joints: Iterable[str], locked: Mapping[str, float])
         if not lower - ROUNDING <= 0.0 <= upper + ROUNDING
     ]
     return [f"locked at 0, where it cannot be: {listed(wrong)}; say where it is, by locked= or --lock"] if wrong else []
+
+
+def still_beyond(model: Any, last: str, joints: Iterable[str], tip: str, locked: Mapping[str, float]) -> list[str]:
+    """That joints of a model between the last of an arm and its tip stand still, as nobody says; at most one clause.
+
+    A hand moves its fingers; but an elbow that is behind what was taken for an arm shows that another arm was meant.
+    """
+    own = model.getJointId(last)
+    beyond = [name for name in joints if name not in locked and own in model.supports[model.getJointId(name)]]
+    if not beyond:
+        return []
+    return [
+        f"the arm ends with {last}, and on the way to the tip {quoted(tip)} {listed(beyond)} stand"
+        f"{'s' if len(beyond) == 1 else ''} still at zero: is this the arm that is meant?"
+        " Say where they are by locked= or --lock, or name another tip"
+    ]
