@@ -1,12 +1,16 @@
 """`--scene` and `--margin`, and `srs-ik inspect --bodies`, against the same questions in Python."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from command_line import POSE, Q, answer, run
 
 import srs_ik
+
+ROBOTS = Path(__file__).parent.parent / "robots"
 
 
 @pytest.fixture
@@ -78,3 +82,16 @@ def test_bodies_of_an_arm():
     shown = run("inspect", "iiwa14", "--bodies").stdout
     assert "never meet (proved)" in shown
     assert "iiwa_link_4" in shown
+
+
+def test_meshes_of_a_package_that_is_elsewhere(file, tmp_path):
+    robot, meshes = tmp_path / "robot.urdf", tmp_path / "elsewhere" / "cans"
+    meshes.mkdir(parents=True)
+    plain = (ROBOTS / "human_arm" / "human_arm.urdf").read_text()
+    form = '<sphere radius="0.058"/>'
+    robot.write_text(plain.replace(form, '<mesh filename="package://cans/can.stl"/>'))
+    trimesh.creation.icosphere(1, 0.02).export(meshes / "can.stl")
+    words = ["solve", str(robot), "--q", *Q, "--no-limits", "--scene", str(file)]
+    refused = run(*words)
+    assert (refused.exit_code, "--meshes" in refused.stderr, refused.stderr.count("\n")) == (2, True, 1)
+    assert run(*words, "--meshes", str(meshes.parent)).exit_code in (0, 1)

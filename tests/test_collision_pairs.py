@@ -119,6 +119,17 @@ def test_an_srdf_says_what_is_not_watched():
     assert reasons[frozenset(("iiwa_link_2", "iiwa_link_3"))].kept
 
 
+def test_an_srdf_that_chooses_the_arm_says_it_too():
+    chain = '<group name="arm"><chain base_link="iiwa_link_0" tip_link="iiwa_link_7"/></group>'
+    full, bare = SRDF.replace("</robot>", chain + "</robot>"), f'<robot name="r">{chain}</robot>'
+    built_in = srs_ik.load("iiwa14")
+    file, expected = built_in.drawing.file, built_in.with_bodies(srdf=SRDF).pairs
+    arm = srs_ik.load(file, srdf=full)
+    assert arm.pairs == arm.with_bodies(folders=["."]).pairs == expected
+    # One of groups alone disables nothing, and does not mean that links next to each other are to be watched.
+    assert srs_ik.load(file, srdf=bare).pairs == built_in.pairs
+
+
 def test_pairs_are_kept_and_dropped_on_the_callers_word(tmp_path):
     thick = with_a_thick_neck(tmp_path)
     arm = thick.with_bodies(drop=[("iiwa_link_7", "iiwa_link_5")], keep=[("iiwa_link_1", "iiwa_link_3")])

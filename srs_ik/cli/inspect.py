@@ -11,6 +11,7 @@ import typer
 from srs_ik.cli import EXIT_NO_SOLUTION
 from srs_ik.cli.chosen import CHOOSING, Chosen, choosing
 from srs_ik.cli.options import AsJson, Source, warn
+from srs_ik.cli.scenes import Meshes, with_meshes
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,6 +37,7 @@ def inspect(
     bodies: Annotated[
         bool, typer.Option("--bodies", help="Show the bodies of the one arm: spheres, and pairs that are watched.")
     ] = False,
+    meshes: Meshes = None,
     packed: Packed = None,
     as_json: AsJson = False,
 ) -> None:
@@ -65,9 +67,7 @@ def inspect(
         from srs_ik.cli.scenes import bodies_of, print_bodies
         from srs_ik.loading import load
 
-        arm = load(source, **reading, **meant)
-        if meant["srdf"] is not None:
-            arm = arm.with_bodies(srdf=meant["srdf"])
+        arm = with_meshes(load(source, **reading, **meant), meshes)
         answer |= bodies_of(arm)
     if packed is not None and accepted:
         from srs_ik.loading import load

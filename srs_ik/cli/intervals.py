@@ -11,7 +11,7 @@ import typer
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Source, fail
 from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
-from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
+from srs_ik.cli.scenes import Exact, Margin, Meshes, SceneFile, read, with_meshes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,6 +32,7 @@ def intervals(
     scene: SceneFile = None,
     margin: Margin = None,
     exact: Exact = False,
+    meshes: Meshes = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q).")] = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw the intervals into this file as well (extra 'plot').")
@@ -52,7 +53,7 @@ def intervals(
 
     from srs_ik.loading import load
 
-    arm = load(source, **chosen)
+    arm = with_meshes(load(source, **chosen), meshes)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     found = arm.intervals(pose, respect_limits=not no_limits, **around)

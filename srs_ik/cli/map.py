@@ -12,7 +12,7 @@ import typer
 
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, NumbersCommand, Six, Source, Three, WrongInput, numbers
-from srs_ik.cli.scenes import SceneFile, read
+from srs_ik.cli.scenes import Meshes, SceneFile, read, with_meshes
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -85,6 +85,7 @@ def make(
     bounds: Bounds = None,
     measure: More = None,
     scene: SceneFile = None,
+    meshes: Meshes = None,
     velocity: Velocity = None,
     force: Force = None,
     threads: Annotated[
@@ -103,7 +104,7 @@ def make(
     from srs_ik.loading import load
     from srs_ik.maps.build import build_map, plan_map
 
-    arm = load(source, **chosen)
+    arm = with_meshes(load(source, **chosen), meshes)
     more = _more(measure, scene, velocity, force)
     plan = plan_map(arm, metres, orientations=orientations, box_bounds=where, **more)
     with _client(dask) as client, _bar(f"{plan.cells:,} cells", plan.cells) as progress:
@@ -146,6 +147,7 @@ def estimate(
     bounds: Bounds = None,
     measure: More = None,
     scene: SceneFile = None,
+    meshes: Meshes = None,
     velocity: Velocity = None,
     force: Force = None,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processors that share the work.")] = None,
@@ -161,7 +163,7 @@ def estimate(
     from srs_ik.loading import load
     from srs_ik.maps.build import estimate as estimated
 
-    arm = load(source, **chosen)
+    arm = with_meshes(load(source, **chosen), meshes)
     more = _more(measure, scene, velocity, force)
     found = estimated(arm, metres, orientations=orientations, box=where, workers=workers, **more)
     if as_json:

@@ -14,7 +14,7 @@ from srs_ik.cli.map import map_app as map_app
 from srs_ik.cli.options import AsJson, ExampleCommand, Source, WrongInput, fail, numbers, warn
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
-from srs_ik.cli.scenes import SceneFile, read
+from srs_ik.cli.scenes import Meshes, SceneFile, read, with_meshes
 from srs_ik.cli.solve_file import MOST_LINES
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ def query(
         str | None, typer.Option(metavar="ROBOT|FILE", help="Let this arm answer, exactly, instead of the cells.")
     ] = None,
     scene: SceneFile = None,
+    meshes: Meshes = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Write the answers here.")] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles in the file are given in degrees.")] = False,
     as_json: AsJson = False,
@@ -76,13 +77,13 @@ def query(
     from srs_ik.cli.render import console, print_json, table
 
     refuse_onto(out, poses)
-    if exact is None and (scene is not None or any(chosen.values())):
-        raise WrongInput("--scene, --lock and xacro options are for the arm of --exact, which is not given")
+    if exact is None and (scene is not None or meshes or any(chosen.values())):
+        raise WrongInput("--scene, --meshes, --lock and xacro options are for the arm of --exact, which is not given")
     T, lines = read_poses(poses, unit_of(degrees))
 
     from srs_ik.maps.reader import open_map
 
-    chart = open_map(folder) if exact is None else _with_arm(exact, folder, scene, chosen)
+    chart = open_map(folder) if exact is None else _with_arm(exact, folder, scene, meshes, chosen)
     found = chart.query(T, exact=exact is not None)
     names = tuple(found.measures)
     rows = [[found.measures[name][i].item() for name in names] for i in range(len(found))]
@@ -132,11 +133,11 @@ def _arm(source: str, folder: Path, chosen: Chosen) -> Arm:
         ) from None
 
 
-def _with_arm(source: str, folder: Path, scene: Path | None, chosen: Chosen) -> Map:
+def _with_arm(source: str, folder: Path, scene: Path | None, meshes: list[Path] | None, chosen: Chosen) -> Map:
     """A map with its arm, and its scene if it is of one."""
     from srs_ik.maps.reader import open_map
 
-    return open_map(folder, _arm(source, folder, chosen), read(scene, None).get("scene"))
+    return open_map(folder, with_meshes(_arm(source, folder, chosen), meshes), read(scene, None).get("scene"))
 
 
 @map_app.command("verify", cls=ExampleCommand, short_help="Check the sums of a map, and some of its cells again.")
@@ -148,6 +149,7 @@ def verify(
     count: Annotated[int, typer.Option(metavar="N", min=1, help="Cells to compute again.")] = 1000,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of the random choice of cells.")] = 0,
     scene: SceneFile = None,
+    meshes: Meshes = None,
     as_json: AsJson = False,
 ) -> None:
     """Check a map: its checksums, some of its cells, and postures rebuilt from them. Exit status 1 if it is wrong."""
@@ -155,7 +157,7 @@ def verify(
 
     from srs_ik.cli.render import print_json
 
-    found = _with_arm(source, folder, scene, chosen).verify(count, seed)
+    found = _with_arm(source, folder, scene, meshes, chosen).verify(count, seed)
     if as_json:
         print_json({**asdict(found), "right": bool(found)})
     else:

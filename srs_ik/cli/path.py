@@ -15,7 +15,7 @@ from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, numbers,
 from srs_ik.cli.picture import check
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_motion, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
-from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
+from srs_ik.cli.scenes import Exact, Margin, Meshes, SceneFile, read, with_meshes
 from srs_ik.cli.waiting import at_work
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ def path(
     scene: SceneFile = None,
     margin: Margin = None,
     exact: Exact = False,
+    meshes: Meshes = None,
     as_json: AsJson = False,
 ) -> None:
     """Find a continuous joint path through many poses, inside the joint limits, chosen as a whole.
@@ -126,7 +127,7 @@ def path(
 
     from srs_ik.loading import load
 
-    arm = load(source, **chosen)
+    arm = with_meshes(load(source, **chosen), meshes)
     with at_work(f"a path through {len(T_base_tip)} poses"):
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found and every is None:

@@ -11,7 +11,7 @@ import typer
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import Seven, Source, WrongInput, fail
 from srs_ik.cli.poses import JOINTS, Quat, Rpy, Xyz, angles, read_pose, unit_of
-from srs_ik.cli.scenes import Margin, SceneFile, read
+from srs_ik.cli.scenes import Margin, Meshes, SceneFile, read, with_meshes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,9 +49,7 @@ def preview(
     follow: Annotated[
         bool, typer.Option("--follow", help="A page with a target to drag, which the arm follows within its limits.")
     ] = False,
-    meshes: Annotated[
-        list[Path] | None, typer.Option(metavar="FOLDER", help="A folder to search for meshes; may be given often.")
-    ] = None,
+    meshes: Meshes = None,
     port: Annotated[int, typer.Option(metavar="PORT", help="Port of the page; 0 for any that is free.")] = 0,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--q, --rpy).")] = False,
 ) -> None:
@@ -72,7 +70,7 @@ def preview(
 
     from srs_ik.loading import load
 
-    arm = load(source, **chosen)
+    arm = with_meshes(load(source, **chosen), meshes)
     if pose is not None:
         solution = arm.solve(pose, **around)
         if not solution:

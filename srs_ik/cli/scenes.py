@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,6 +25,15 @@ Margin = Annotated[
     str | None, typer.Option(metavar="M", help="With --scene: what is to be left between two bodies, metres.")
 ]
 Exact = Annotated[bool, typer.Option("--exact", help="With --scene: real shapes count, and not spheres around them.")]
+
+Meshes = Annotated[
+    list[Path] | None, typer.Option("--meshes", metavar="FOLDER", help="A folder to search for meshes; repeatable.")
+]
+
+
+def with_meshes(arm: Arm, folders: Sequence[Path] | None) -> Arm:
+    """The arm whose meshes are sought in these folders first."""
+    return arm.with_bodies(folders=folders) if folders else arm
 
 
 def read(scene: Path | None, margin: str | None, exact: bool = False) -> dict[str, Any]:

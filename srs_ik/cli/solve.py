@@ -14,7 +14,7 @@ from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Seven, Source, Three, WrongInput, fail, numbers
 from srs_ik.cli.pose_file import read_poses, refuse_onto
 from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
-from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
+from srs_ik.cli.scenes import Exact, Margin, Meshes, SceneFile, read, with_meshes
 from srs_ik.cli.solve_file import report
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ def solve(
     scene: SceneFile = None,
     margin: Margin = None,
     exact: Exact = False,
+    meshes: Meshes = None,
     degrees: Annotated[
         bool,
         typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q, --arm-angle, --seed, --cone ...)."),
@@ -112,7 +113,7 @@ def solve(
 
     from srs_ik.loading import load
 
-    arm = load(source, **chosen)
+    arm = with_meshes(load(source, **chosen), meshes)
     if file is not None:
         solved = arm.solve_batch(
             poses, angle, start, branch, respect_limits=not no_limits, elbow=point, free_axis=free, **around

@@ -11,7 +11,7 @@ from srs_ik.cli import freedom
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Hand, Seven, Source, Three, WrongInput, fail, numbers
 from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles, unit_of
-from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
+from srs_ik.cli.scenes import Exact, Margin, Meshes, SceneFile, read, with_meshes
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -72,6 +72,7 @@ def task(
     scene: SceneFile = None,
     margin: Margin = None,
     exact: Exact = False,
+    meshes: Meshes = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--seed, --cone).")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -99,11 +100,8 @@ def task(
     wanted = Task(position, **given)
     around = read(scene, margin, exact)
     free = freedom.read(free_axis, cone, unit)
-    arm = load(
-        source,
-        **chosen,
-        hand=None if axes is None else [axes[:3], axes[3:]],
-    )
+    hand_axes = None if axes is None else [axes[:3], axes[3:]]
+    arm = with_meshes(load(source, **chosen, hand=hand_axes), meshes)
     solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start, free_axis=free, **around)
     assert isinstance(solution, TaskSolution)
     if as_json:

@@ -140,7 +140,7 @@ def _of_link(arm: ChainKinematics, name: str, frame: Any, shapes: Sequence[Shape
             return Body(name, frame.parentJoint, rows, protrusion, "visual" if visual else "collision", forms)
     raise NoBodies(
         f"{arm.name}: the mesh of link {name!r} is not at hand ({complaint}); name its folder or give spheres: "
-        "arm.with_bodies(folders=[...]) or arm.with_bodies(spheres=FILE)"
+        "arm.with_bodies(folders=[...]) or arm.with_bodies(spheres=FILE), on the command line --meshes"
     )
 
 

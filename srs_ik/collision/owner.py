@@ -77,11 +77,12 @@ class BodyOwner(ChainKinematics):
         Args:
             folders: folders to search for meshes.
             spheres: file with spheres of the links in place of their shapes: of cuRobo (YAML) or foam (JSON).
-            srdf: path or text of an SRDF file; its disabled pairs are not watched, and all others are.
+            srdf: path or text of an SRDF file; its disabled pairs are not watched, and all others are. By default the
+                one with which the arm was loaded, if that disables any.
             keep: pairs of names that are watched in any case.
             drop: pairs of names that are not watched, on your word.
         """
-        text = "" if srdf is None else str(srdf)
+        text = self.plan.srdf if srdf is None else str(srdf)
         file = "" if spheres is None else str(Path(spheres).absolute())
         given = BodyPlan(tuple(map(str, folders)), file, text, _pairs(keep), _pairs(drop), self.plan.held)
         return self._planned(given)

@@ -18,7 +18,7 @@ from srs_ik.robot.arguments import check_path, check_texts
 from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_oddities_noted
 from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
-from srs_ik.robot.description.srdf import chain_of
+from srs_ik.robot.description.srdf import chain_of, disabled_pairs
 from srs_ik.robot.limb import Hand, SrsLimb, Vector
 from srs_ik.robot.locked import as_locked, configuration_of
 from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range, still_beyond
@@ -77,6 +77,7 @@ def load(
             at zero. They count where they lie between base and tip.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
         srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains, and are not given then.
+            Pairs of links that it disables are not watched for collisions.
         xacro_args: arguments of a xacro file. Such a file is a program, with what the user may do: load those that you
             trust.
         allow_xacro: whether to run a xacro file that an adapter names. One that you name yourself is run in any case.
@@ -133,7 +134,9 @@ def load(
     ]
     _warn_of_oddities(description, described, found.limb, given)
     hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
-    return Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
+    arm = Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
+    # A file of groups alone says nothing of collisions.
+    return arm.with_bodies(srdf=srdf) if srdf is not None and disabled_pairs(srdf) else arm
 
 
 @whole
