@@ -16,7 +16,7 @@ import srs_ik
 from srs_ik.errors import FrameNotFound, InvalidRobot, MissingExtra, NotAnSrsLimb, install_command
 from srs_ik.loading.adapter import write_adapter
 from srs_ik.robot.description.packages import find_package, inside
-from srs_ik.robot.description.srdf import chains
+from srs_ik.robot.description.srdf import groups
 from srs_ik.robot.places import missing
 from srs_ik.robot.sides import side_of
 
@@ -267,7 +267,10 @@ def twins() -> str:
 def test_chains_of_an_srdf_choose_the_limb(tmp_path):
     path = tmp_path / "twins.srdf"
     path.write_text(SRDF)
-    assert chains(path) == {"left_arm": ("left_l0", "left_l7"), "right_arm": ("torso", "right_l7")}
+    assert {name: group.ends for name, group in groups(path).items()} == {
+        "left_arm": ("left_l0", "left_l7"),
+        "right_arm": ("torso", "right_l7"),
+    }
     arm = srs_ik.load(twins(), srdf=path, limb="right_arm")
     assert (arm.base, arm.tip) == ("torso", "right_l7")
     assert srs_ik.load(twins(), srdf=SRDF, limb="left_arm").base == "left_l0"
@@ -279,13 +282,13 @@ def test_chains_of_an_srdf_choose_the_limb(tmp_path):
 @pytest.mark.parametrize(
     ("srdf", "limb", "says"),
     [
-        (SRDF, None, "several chains, name one of them as the limb: left_arm, right_arm"),
+        (SRDF, None, "several groups, name one of them as the limb: left_arm, right_arm"),
         (SRDF, "lef_arm", r"no chain 'lef_arm' \(did you mean 'left_arm'"),
-        ('<robot name="x"/>', None, "no group that is given as a chain"),
+        ('<robot name="x"/>', None, "no group of one chain or of seven joints"),
         (
             SRDF.replace('</group>\n  <group name="right_arm">', ""),
             "left_arm",
-            "no group that is given as a chain; name base and tip",
+            "no group of one chain or of seven joints; name base and tip",
         ),
         (SRDF.replace('base_link="left_l0" ', ""), None, "chain of group 'left_arm' lacks base_link or tip_link"),
         ("<robot", None, "not well-formed"),
@@ -302,11 +305,38 @@ def test_a_chain_of_an_srdf_that_the_robot_does_not_have():
         srs_ik.load(twins(), srdf=SRDF.replace("left_l7", "left_l8"), limb="left_arm")
 
 
+def listed_group(kind: str, *names: str) -> str:
+    parts = "".join(f'<{kind} name="{name}"/>' for name in names)
+    return (
+        f'<robot name="twins"><group name="fingers"><joint name="f1"/></group><group name="arm">{parts}</group></robot>'
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "names", "base"),
+    [
+        ("joint", [f"right_j{k}" for k in (3, 1, 2, 7, 5, 6, 4)], "right_l0"),
+        ("link", [f"right_l{k}" for k in range(1, 8)], "right_l0"),
+        ("joint", ["right_l0", *(f"right_j{k}" for k in range(1, 8))], "torso"),
+    ],
+)
+def test_a_group_that_lists_joints_or_links(kind, names, base):
+    # The joint that is fixed to the torso has the name of its link.
+    arm = srs_ik.load(twins(), srdf=listed_group(kind, *names))
+    assert (arm.base, arm.tip, arm.joint_names) == (base, "right_l7", tuple(f"right_j{k}" for k in range(1, 8)))
+
+
+@pytest.mark.parametrize("odd", ["left_j1", "nobody"])
+def test_a_group_that_lists_what_is_not_in_one_line(odd):
+    with pytest.raises(InvalidRobot, match="what group 'arm' lists is not in one line"):
+        srs_ik.load(twins(), srdf=listed_group("joint", *(f"right_j{k}" for k in range(1, 8)), odd))
+
+
 def test_the_srdf_of_romeo_names_its_frames():
     path = example_urdf("romeo").parents[1] / "srdf" / "romeo_moveit.srdf"
     if not path.is_file():
         pytest.skip(f"{path.name} is not installed")
-    assert isinstance(chains(path), dict)
+    assert isinstance(groups(path), dict)
 
 
 # MuJoCo

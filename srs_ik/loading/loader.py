@@ -76,7 +76,7 @@ def load(
         locked: where other joints of the robot stand, rad or m, such as ``{"lift": 0.3}``; those that are not named are
             at zero. They count where they lie between base and tip.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
-        srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains, and are not given then.
+        srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its groups, and are not given then.
             Pairs of links that it disables are not watched for collisions.
         xacro_args: arguments of a xacro file. Such a file is a program, with what the user may do: load those that you
             trust.
@@ -105,7 +105,7 @@ def load(
     asked_hand = None if hand is None else _hand(hand)
     description = _standing(describe(source, urdf, xacro_args, allow_xacro), locked)
     if srdf is not None:
-        base, tip = chain_of(srdf, limb)
+        base, tip = chain_of(srdf, limb, _skeleton(description))
         limb = None
     joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip, description.locked)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -191,6 +192,32 @@ class Skeleton:
                 break
             (tip,) = links
         return self._frames[tip].name
+
+    def ends_of(self, names: Collection[str]) -> tuple[str, str] | None:
+        """The link that carries the first of some joints in one line, and the link that the last one moves.
+
+        Joints, fixed ones too, are named themselves or by their links. None where they are not in one line, or some are
+        not of this robot.
+        """
+        body, joint = (_FRAME_PREFERENCE.index(kind) for kind in (pin.FrameType.BODY, pin.FrameType.JOINT))
+        fixed = _FRAME_PREFERENCE.index(pin.FrameType.FIXED_JOINT)
+        own = {f.name: k for k, f in enumerate(self._frames) if f.rank in (joint, fixed)}
+        links = {f.name: f.parent for f in self._frames if f.rank == body}
+        found = [own.get(name, links.get(name, 0)) for name in names]
+        ways = sorted((self._frames_above(k) for k in found), key=len)
+        if not ways or 0 in found or any(way[-1] not in longer for way, longer in pairwise(ways)):
+            return None
+        first, last = ways[0][-1], ways[-1][-1]
+        moved = self._children(last, pin.FrameType.BODY)
+        return self._frames[self._frames[first].parent].name, self._frames[moved[0] if moved else last].name
+
+    def _frames_above(self, frame: int) -> list[int]:
+        """Frames from the root to one, itself included."""
+        found = []
+        while frame > 0:
+            found.append(frame)
+            frame = self._frames[frame].parent
+        return found[::-1]
 
     def carries(self, frame: str, joint: int) -> bool:
         """True if a frame lies on the way from the root of the robot to a joint, so that the joint hangs on it."""

@@ -1,22 +1,37 @@
-"""Chains of a MoveIt SRDF file: which frames a planning group goes from and to."""
+"""Groups of a MoveIt SRDF file: which frames they go from and to; and the pairs of links that it disables."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 from srs_ik.errors import InvalidRobot, did_you_mean, listed
 from srs_ik.robot.description import document
 from srs_ik.robot.description.files import read
 from srs_ik.robot.description.model import is_xml
 
-_KEPT: Mapping[str, frozenset[str]] = {"robot": frozenset({"group"}), "group": frozenset({"chain"})}
+if TYPE_CHECKING:
+    from srs_ik.robot.skeleton import Skeleton
+
+_KEPT: Mapping[str, frozenset[str]] = {"robot": frozenset({"group"}), "group": frozenset({"chain", "joint", "link"})}
+
+_JOINTS = 7
 
 _PAIRS: Mapping[str, frozenset[str]] = {"robot": frozenset({"disable_collisions"})}
 
 
-def chains(source: str | Path) -> dict[str, tuple[str, str]]:
-    """Base and tip frame of every group that is given as one chain in an SRDF file, by path or text.
+class Group(NamedTuple):
+    """A planning group that may be an arm: by the ends of its chain, or by its parts."""
+
+    ends: tuple[str, str] | None
+    """Base and tip frame."""
+    parts: frozenset[str] = frozenset()
+    """Names of its joints, or of the links that these carry."""
+
+
+def groups(source: str | Path) -> dict[str, Group]:
+    """Every group of an SRDF file, by path or text, that is one chain, or that lists at least seven joints or links.
 
     Raises:
         InvalidRobot: the file is missing or no SRDF.
@@ -24,15 +39,18 @@ def chains(source: str | Path) -> dict[str, tuple[str, str]]:
     text, label = _text(source)
     found = {}
     for group in document.parse(text, label, _KEPT).findall("group"):
-        inside = group.findall("chain")
+        name, inside = group.get("name"), group.findall("chain")
+        parts = frozenset(part.get("name", "") for kind in ("joint", "link") for part in group.findall(kind))
         # A group of two chains is two arms.
-        if len(inside) != 1 or not group.get("name"):
+        if not name or len(inside) > 1 or not (inside or len(parts) >= _JOINTS):
             continue
-        (chain,) = inside
-        base, tip = chain.get("base_link"), chain.get("tip_link")
+        if not inside:
+            found[name] = Group(None, parts)
+            continue
+        base, tip = inside[0].get("base_link"), inside[0].get("tip_link")
         if not base or not tip:
-            raise InvalidRobot(f"{label}: the chain of group {group.get('name')!r} lacks base_link or tip_link", label)
-        found[group.attrib["name"]] = (base, tip)
+            raise InvalidRobot(f"{label}: the chain of group {name!r} lacks base_link or tip_link", label)
+        found[name] = Group((base, tip))
     return found
 
 
@@ -54,22 +72,27 @@ def _text(source: str | Path) -> tuple[str | bytes, str]:
     return read(Path(source), str(source)), str(source)
 
 
-def chain_of(source: str | Path, group: str | None) -> tuple[str, str]:
+def chain_of(source: str | Path, group: str | None, skeleton: Skeleton) -> tuple[str, str]:
     """Base and tip frame of one group, of the only one where none is named.
 
     Raises:
-        InvalidRobot: the file is missing or no SRDF, has no such group, or several and none is named.
+        InvalidRobot: the file is missing or no SRDF, has no such group, or several and none is named, or what the group
+            lists is not in one line in the robot.
     """
-    found = chains(source)
+    found = groups(source)
     names = list(found)
     label = "the SRDF" if isinstance(source, str) and is_xml(source) else str(source)
     if not names:
-        raise InvalidRobot(f"{label} has no group that is given as a chain; name base and tip instead", label)
+        raise InvalidRobot(f"{label} has no group of one chain or of seven joints; name base and tip instead", label)
     if group is None:
         if len(names) > 1:
-            raise InvalidRobot(f"{label} has several chains, name one of them as the limb: {listed(names)}", label)
+            raise InvalidRobot(f"{label} has several groups, name one of them as the limb: {listed(names)}", label)
         group = names[0]
     if group not in found:
         hint = did_you_mean(group, names)
         raise InvalidRobot(f"{label} has no chain {group!r}{hint}; its chains are {listed(names)}", label)
-    return found[group]
+    ends, parts = found[group]
+    ends = ends or skeleton.ends_of(parts)
+    if ends is None:
+        raise InvalidRobot(f"{label}: what group {group!r} lists is not in one line in the robot", label)
+    return ends
