@@ -9,7 +9,7 @@ from robot_files import at_hand
 
 import srs_ik
 from srs_ik.collision.ranges import Bounds
-from srs_ik.errors import InvalidScene
+from srs_ik.errors import InvalidRobot, InvalidScene
 
 
 def touching(arm, wanted, count):
@@ -117,6 +117,28 @@ def test_an_srdf_says_what_is_not_watched():
     assert reasons[frozenset(("iiwa_link_0", "iiwa_link_1"))].reason == "SRDF: Adjacent"
     assert not reasons[frozenset(("iiwa_link_5", "iiwa_link_7"))].kept
     assert reasons[frozenset(("iiwa_link_2", "iiwa_link_3"))].kept
+
+
+def test_an_srdf_may_disable_all_pairs_of_a_link_but_some():
+    said = """<robot name="r"><disable_default_collisions link="iiwa_link_5"/>
+    <enable_collisions link1="iiwa_link_2" link2="iiwa_link_5"/></robot>"""
+    pairs = srs_ik.load("iiwa14").with_bodies(srdf=said).pairs
+    of_link = {p.first + p.second: p.kept for p in pairs if "iiwa_link_5" in (p.first, p.second)}
+    assert [name for name, kept in of_link.items() if kept] == ["iiwa_link_2iiwa_link_5"]
+    assert not any("SRDF" in p.reason for p in pairs if "iiwa_link_5" not in (p.first, p.second))
+
+
+@pytest.mark.parametrize(
+    ("srdf", "says"),
+    [
+        (SRDF.replace("iiwa_link", "arm_link"), "the SRDF is of another robot: iiwa14 has none of arm_link_0"),
+        ('<robot name="r"><group name="arm"/></robot>', r"the SRDF disables no pair of links: is it an SRDF\?"),
+        (str(srs_ik.load("iiwa14").drawing.file), r"iiwa14.urdf disables no pair of links: is it an SRDF\?"),
+    ],
+)
+def test_what_is_no_srdf_of_this_robot(srdf, says):
+    with pytest.raises(InvalidRobot, match=says):
+        _ = srs_ik.load("iiwa14").with_bodies(srdf=srdf).bodies
 
 
 def test_an_srdf_that_chooses_the_arm_says_it_too():

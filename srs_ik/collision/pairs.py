@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 from srs_ik.collision.bodies import Body
 from srs_ik.collision.ranges import JointRange
 from srs_ik.collision.survey import MANY, Survey
+from srs_ik.errors import InvalidRobot, listed
+from srs_ik.robot.description.model import is_xml
 from srs_ik.robot.description.shapes import read_tree
-from srs_ik.robot.description.srdf import disabled_pairs
+from srs_ik.robot.description.srdf import Disabled, disabled
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
@@ -52,9 +54,9 @@ def find_pairs(
         srdf: path or text of an SRDF file.
 
     Raises:
-        InvalidRobot: the SRDF file is missing or no SRDF.
+        InvalidRobot: the SRDF file is missing or no SRDF, disables nothing, or is of another robot.
     """
-    disabled = disabled_pairs(srdf) if srdf is not None else {}
+    said = None if srdf is None else _said_of(arm, drawing, srdf)
     neighbours = _neighbours(arm, bodies, drawing)
     survey = None
     pairs = []
@@ -66,9 +68,9 @@ def find_pairs(
         names = frozenset((a.name, b.name))
         if a.joint == b.joint:
             pairs.append(Pair(a.name, b.name, False, "on one joint"))
-        elif names in disabled:
-            pairs.append(Pair(a.name, b.name, False, f"SRDF: {disabled[names]}"))
-        elif srdf is not None and b.joint != a.joint + 2:
+        elif said is not None and said.reason(names):
+            pairs.append(Pair(a.name, b.name, False, f"SRDF: {said.reason(names)}"))
+        elif said is not None and b.joint != a.joint + 2:
             pairs.append(Pair(a.name, b.name, True, "watched"))
         elif names in neighbours and srdf is None:
             pairs.append(Pair(a.name, b.name, False, "adjacent"))
@@ -88,6 +90,16 @@ def find_pairs(
                 continue
             pairs.append(Pair(a.name, b.name, not reason, reason or "watched"))
     return pairs, ranges
+
+
+def _said_of(arm: ChainKinematics, drawing: Drawing | None, srdf: str | Path) -> Disabled:
+    said, label = disabled(srdf), "the SRDF" if is_xml(str(srdf)) else str(srdf)
+    if not said.names:
+        raise InvalidRobot(f"{label} disables no pair of links: is it an SRDF?", label)
+    links = {frame.name for frame in arm.model.frames}.union(*read_tree(drawing))
+    if said.names.isdisjoint(links):
+        raise InvalidRobot(f"{label} is of another robot: {arm.name} has none of {listed(sorted(said.names))}", label)
+    return said
 
 
 def with_overrides(

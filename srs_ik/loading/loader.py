@@ -18,7 +18,7 @@ from srs_ik.robot.arguments import check_path, check_texts
 from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_oddities_noted
 from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
-from srs_ik.robot.description.srdf import chain_of, disabled_pairs
+from srs_ik.robot.description.srdf import chain_of, disabled
 from srs_ik.robot.limb import Hand, SrsLimb, Vector
 from srs_ik.robot.locked import as_locked, configuration_of
 from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range, still_beyond
@@ -136,7 +136,7 @@ def load(
     hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
     arm = Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
     # A file of groups alone says nothing of collisions.
-    return arm.with_bodies(srdf=srdf) if srdf is not None and disabled_pairs(srdf) else arm
+    return arm.with_bodies(srdf=srdf) if srdf is not None and disabled(srdf).names else arm
 
 
 @whole

@@ -37,7 +37,9 @@ KEPT: Kept = {
 }
 """What motion and mass depend on; of several elements where one is meant, the first counts."""
 
-_SEVERAL = frozenset({"disable_collisions", "link", "joint", "group", "chain", "material", "visual", "collision"})
+_SEVERAL = frozenset({"link", "joint", "group", "chain", "material", "visual", "collision"}).union(
+    {"disable_collisions", "disable_default_collisions", "enable_collisions"}
+)
 
 
 def parse(text: str | bytes, source: str, kept: Kept = KEPT) -> Element:

@@ -18,7 +18,9 @@ _KEPT: Mapping[str, frozenset[str]] = {"robot": frozenset({"group"}), "group": f
 
 _JOINTS = 7
 
-_PAIRS: Mapping[str, frozenset[str]] = {"robot": frozenset({"disable_collisions"})}
+_PAIRS: Mapping[str, frozenset[str]] = {
+    "robot": frozenset({"disable_collisions", "disable_default_collisions", "enable_collisions"})
+}
 
 
 class Group(NamedTuple):
@@ -54,15 +56,45 @@ def groups(source: str | Path) -> dict[str, Group]:
     return found
 
 
-def disabled_pairs(source: str | Path) -> dict[frozenset[str], str]:
-    """Pairs of links that an SRDF file, by path or text, says need not be watched for collisions, and why.
+class Disabled(NamedTuple):
+    """Which pairs of links an SRDF file says need not be watched for collisions."""
+
+    pairs: Mapping[frozenset[str], str]
+    """Those, and why."""
+    links: frozenset[str]
+    """Links whose pairs need not ..."""
+    enabled: frozenset[frozenset[str]]
+    """... but for these pairs."""
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The links that it speaks of."""
+        return self.links.union(*self.pairs, *self.enabled)
+
+    def reason(self, pair: frozenset[str]) -> str:
+        """Why a pair need not be watched; empty where it has to be."""
+        if pair in self.pairs:
+            return self.pairs[pair]
+        return "disabled by default" if self.links & pair and pair not in self.enabled else ""
+
+
+def disabled(source: str | Path) -> Disabled:
+    """What an SRDF file, by path or text, disables.
 
     Raises:
         InvalidRobot: the file is missing or no SRDF.
     """
     text, label = _text(source)
-    pairs = document.parse(text, label, _PAIRS).findall("disable_collisions")
-    return {frozenset((pair.get("link1", ""), pair.get("link2", ""))): pair.get("reason", "disabled") for pair in pairs}
+    said = document.parse(text, label, _PAIRS)
+
+    def pairs(kind: str) -> dict[frozenset[str], str]:
+        return {
+            frozenset((each.get("link1", ""), each.get("link2", ""))): each.get("reason", "disabled")
+            for each in said.findall(kind)
+        }
+
+    links = frozenset(each.get("link", "") for each in said.findall("disable_default_collisions"))
+    return Disabled(pairs("disable_collisions"), links, frozenset(pairs("enable_collisions")))
 
 
 def _text(source: str | Path) -> tuple[str | bytes, str]:
