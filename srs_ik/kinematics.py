@@ -73,6 +73,11 @@ class ChainKinematics(Fixed):
         """Where other joints of the robot stand that were not locked at zero, by name, rad or m."""
         return dict(self._locked)
 
+    @property
+    def still_joints(self) -> tuple[str, ...]:
+        """Names of the other joints between base and tip, all of which are locked."""
+        return tuple(self._between)
+
     def configuration(self, q: ArrayLike, model: Any = None, others: ArrayLike | None = None) -> Array:
         """Pinocchio's configuration (model.nq,) of 7 joint angles: a continuous joint is its cosine and sine there.
 

@@ -67,6 +67,18 @@ def test_inspect_of_a_chosen_arm_says_what_is_locked_on_the_way_to_it(tmp_path):
         assert limb["locked"] == ["waist"]
 
 
+def test_inspect_lists_what_is_locked_behind_the_arm_and_what_else_may_be_the_tip(tmp_path):
+    drill = '<link name="bit"/><link name="camera"/>' + joint_xml("spin", "l7", "bit")
+    drill += joint_xml("mount", "l7", "camera", "fixed", '<origin xyz="0 0 0.1"/>')
+    path = tmp_path / "drill.urdf"
+    path.write_text(f'<robot name="drill">{serial_arm()}{drill}</robot>')
+    for options, locked, frames in (((), [], ["camera"]), (("--tip", "bit"), ["spin"], ["l7", "camera"])):
+        (limb,) = answer("inspect", str(path), *options)["limbs"]
+        assert (limb["locked"], limb["frames"]) == (locked, frames)
+    assert "for --tip: camera" in run("inspect", str(path)).stdout
+    assert srs_ik.load(path, tip="bit", locked={"spin": 0.1}).still_joints == ("spin",)
+
+
 def test_inspect_says_where_a_chain_forks_and_which_is_the_longest(tmp_path):
     path = tmp_path / "six.urdf"
     hinge = '<origin xyz="0.03 0.04 0.1"/><axis xyz="1 0 0"/><limit lower="0" upper="1" effort="1" velocity="1"/>'

@@ -68,7 +68,7 @@ def test_export_plot_and_preview(folder, tmp_path):
     with np.load(tmp_path / "m.npz") as arrays:
         assert arrays["reached"].shape == (5, 10, 72)
     assert run("map", "plot", folder, "--output", str(tmp_path / "m.png")).exit_code == 0
-    assert run("map", "plot", folder, "--shell", "--output", str(tmp_path / "s.png")).exit_code == 0
+    assert run("map", "plot", folder, "--shell", "--out", str(tmp_path / "s.png")).exit_code == 0
     assert (tmp_path / "s.png").stat().st_size > 5000
     page = tmp_path / "m.html"
     shown = run("map", "preview", folder, "iiwa14", "--save", str(page))

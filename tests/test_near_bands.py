@@ -9,6 +9,7 @@ import srs_ik
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout import answer
 from srs_ik.kernels.layout import limb as at
+from srs_ik.solve import bands
 
 CLOSED = 1e-9
 """An arm angle this close to an end, rad, is in the interval."""
@@ -161,3 +162,9 @@ def test_straight_elbows_reach_farther_than_the_nearest_exact_limb_and_are_found
         solution = arm.solve(pose, respect_limits=False)
         assert solution, (k, solution.status)
         assert max(arm.verify(pose, solution.q)) < 1e-9
+
+
+def test_where_nothing_is_foretold_bands_have_no_end():
+    # As of an elbow whose axis passes the shoulder by a tenth of a millimetre.
+    with np.errstate(all="raise"):
+        assert bands._above(np.array([0.1, np.inf]), np.array([0.5, 0.1]), np.inf) == (np.inf, 0.0)

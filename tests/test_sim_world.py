@@ -57,6 +57,26 @@ def test_a_wall_bears_the_force_of_the_profile():
     assert np.abs(record.contact[-1, :2]).max() < 30.0
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm"])
+def test_a_payload_weighs_where_it_is_held(name):
+    arm, rng = arms.load(name), arms.generator(name, 9)
+    for centre in ((0.0, 0.0, 0.0), (0.1, 0.2, 0.3)):
+        bare, laden = (Plant(arm, World(payload=load)) for load in (None, Payload(2.0, centre)))
+        for _ in range(5):
+            q = rng.uniform(-2.0, 2.0, 7)
+            T = arm.forward_kinematics(q)
+            held = T.act(np.array(centre))
+            for plant in (bare, laden):
+                plant.reset(q)
+            place = laden.data.xipos[laden.model.body("payload").id]
+            np.testing.assert_allclose((place - laden.p_root_base) @ laden.R_root_base, held, atol=1e-9)
+            # By Pinocchio's Jacobian, moved from the tip to the ball.
+            J = arm.jacobian(q)
+            gravity = laden.R_root_base.T @ arm.model.gravity.linear
+            weight = -2.0 * (J[:3] + np.cross(J[3:].T, held - T.translation).T).T @ gravity
+            np.testing.assert_allclose(laden.bias - bare.bias, weight, atol=1e-9)
+
+
 @pytest.mark.slow
 def test_a_peg_stops_the_forearm_and_a_payload_lowers_the_hand():
     arm = arms.load("iiwa14")

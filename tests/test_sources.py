@@ -264,6 +264,11 @@ def twins() -> str:
     return f'<robot name="twins"><link name="torso"/>{"".join(sides)}</robot>'
 
 
+def test_a_limb_of_which_a_joint_is_locked_is_not_looked_for_in_vain():
+    with pytest.raises(NotAnSrsLimb, match="the arms end at right_l7; left_j3 cannot be of it, as locked"):
+        srs_ik.load(twins(), limb="left", locked={"left_j3": 0.1})
+
+
 def test_chains_of_an_srdf_choose_the_limb(tmp_path):
     path = tmp_path / "twins.srdf"
     path.write_text(SRDF)

@@ -143,14 +143,17 @@ def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
     from srs_ik.loading.adapter import hand_axes
 
     limb = arm.limb
+    # Of another tip than the usual one, joints may be behind the arm as well.
+    locked = list(dict.fromkeys([*(report.locked if report else ()), *arm.still_joints]))
     return {
         "base": arm.base,
         "tip": arm.tip,
         "kind": limb.kind,
         "reason": "",
         "note": report.note if report else "",
-        "locked": list(report.locked) if report else [],
-        "locked_at": dict(report.locked_at) if report else {},
+        "locked": locked,
+        "locked_at": {name: at for name, at in arm.locked.items() if name in locked},
+        "frames": [name for name in (report.tip, *report.frames) if name != arm.tip] if report else [],
         "joint_names": list(arm.joint_names),
         "misses_mm": 1e3 * limb.misses,
         "wrist_kind": limb.wrist_kind,
@@ -208,6 +211,7 @@ def _print_refused(out: Console, finding: dict[str, Any], chain: str) -> None:
 
 def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     from srs_ik.cli.render import direction, fixed, table
+    from srs_ik.errors import listed
     from srs_ik.robot.candidates import places_of
 
     names, misses = finding["joint_names"], finding["misses_mm"]
@@ -221,6 +225,8 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
         out.print(finding["note"])
     if finding["locked"]:
         out.print(f"locked on the way to it: {places_of(finding['locked'], finding['locked_at'])}")
+    if finding["frames"]:
+        out.print(f"other frames on its last joint, for --tip: {listed(finding['frames'])}")
     lengths = [
         (name.replace("_", " "), fixed(1e3 * finding[name], 3))
         for name in ("upper_arm", "forearm", "hand", "elbow_offset")

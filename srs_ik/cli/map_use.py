@@ -201,7 +201,9 @@ def combine(
 @map_app.command("plot", cls=ExampleCommand, short_help="Draw a slice of a map, or the shell of its reach.")
 def plot(
     folder: Folder,
-    output: Annotated[Path, typer.Option(metavar="FILE.png", help="Picture to write (.png, .pdf, .svg).")],
+    output: Annotated[
+        Path, typer.Option("--output", "--out", metavar="FILE.png", help="Picture to write (.png, .pdf, .svg).")
+    ],
     measure: Annotated[str | None, typer.Option(metavar="NAME", help="What to colour: a measure, or yaw.")] = None,
     shell: Annotated[bool, typer.Option("--shell", help="Draw the shell around what is reached instead.")] = False,
 ) -> None:

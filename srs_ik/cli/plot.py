@@ -39,7 +39,10 @@ def plot(
     source: Source,
     chosen: Chosen,
     output: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="The picture (png, pdf, svg, ...); has to be given.")
+        Path | None,
+        typer.Option(
+            "--output", "--out", metavar="FILE.png", help="The picture (png, pdf, svg, ...); has to be given."
+        ),
     ] = None,
     xyz: Xyz = None,
     rpy: Rpy = None,

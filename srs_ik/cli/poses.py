@@ -96,5 +96,6 @@ def _given_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: f
             raise WrongInput(f"--quat is a rotation only if its length is 1, not {length:.6g}")
         T_base_tip[:3, :3] = pin.Quaternion(components / length).toRotationMatrix()
     else:
-        raise WrongInput("a position alone is no pose: give the orientation with --rpy R P Y or --quat X Y Z W")
+        given = "a position alone is no pose: give the orientation with --rpy R P Y or --quat X Y Z W"
+        raise WrongInput(f"{given}; 'srs-ik solve' leaves it free with --free-axis 0 0 1 --cone 180 --degrees")
     return T_base_tip

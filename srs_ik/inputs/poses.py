@@ -26,7 +26,7 @@ FARTHEST_FROM_ROTATION = 0.1
 _OF_QUATERNION = "pose_from_xyz_quaternion(xyz, quaternion, order=...) makes one of position and quaternion"
 
 _MAKERS = {
-    (3,): "; pose_from_xyz_rpy(xyz, [0, 0, 0]) makes one of a position",
+    (3,): "; pose_from_xyz_rpy(xyz, rpy) makes one, whose rotation free_axis='any' leaves free",
     (6,): "; pose_from_xyz_rpy(xyz, rpy) makes one of two vectors",
     (7,): f"; {_OF_QUATERNION}",
     (4, 4): "; [pose] is a list of one",

@@ -149,7 +149,7 @@ def find_limbs(
     """Every chain of seven consecutive revolute joints in a robot, classified and measured.
 
     S-R-S limbs come first, then chains that are none. Of chains that share joints only the best is reported: see `note`
-    of the report.
+    of the report. What shares joints with a limb and is none is left out.
 
     Args:
         source: as for `load`.
@@ -230,11 +230,13 @@ def _meant(description: Description, limbs: Sequence[Candidate], word: str) -> l
     found = [limb for limb in limbs if is_meant(word, limb.report.names)]
     if not found:
         tips = listed([candidate.report.tip for candidate in limbs])
-        source = description.robot.source
-        raise NotAnSrsLimb(
-            f"{source}: no arm of {description.name!r} has {quoted(word)} in its names; the arms end at {tips}"
-        )
+        none = f"{description.robot.source}: no arm of {description.name!r} has {quoted(word)} in its names"
+        raise NotAnSrsLimb(f"{none}; the arms end at {tips}{_locked_clause(description)}")
     return found
+
+
+def _locked_clause(description: Description) -> str:
+    return f"; {listed(list(description.locked))} cannot be of it, as locked" if description.locked else ""
 
 
 def _fits(skeleton: Skeleton, joints: Sequence[int], base: str | None, tip: str | None) -> bool:
@@ -255,7 +257,7 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
         run = skeleton.longest_run(mimic) if base is None else ()
         names = [skeleton.joint_names[joint] for joint in run]
         longest = f"; the longest has {len(run)}: {listed(names)}{_interrupted(skeleton, mimic, run)}" if run else ""
-        locked = f"; {listed(list(description.locked))} cannot be of it, as locked" if description.locked else ""
+        locked = _locked_clause(description)
         none = f"{source}: {where} has no chain of 7 consecutive revolute joints"
         return NotAnSrsLimb(f"{none}{longest}{locked}{'' if base or locked else _ELSEWHERE}", names)
     joints = _way(skeleton, base, tip)

@@ -44,6 +44,7 @@ class LimbReport:
         locked: names of the other moving joints between the root of the robot and the tip, from the root outwards; an
             arm has them fixed.
         locked_at: where those are that are not fixed at their neutral position, rad or m.
+        frames: names of other frames that joint 7 carries, links and MJCF sites, each of which may be the tip.
         note: which chains that share joints with it were set aside in its favour or, if refused, where it forks on its
             way, as an arm of six joints does with the fingers of its gripper; which limits look like degrees, or let a
             joint not move; which joints are locked where they cannot be; that
@@ -63,6 +64,7 @@ class LimbReport:
     locked: tuple[str, ...] = ()
     note: str = ""
     locked_at: Mapping[str, float] = field(default_factory=dict)
+    frames: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -139,6 +141,7 @@ def examine(
         locked_at={
             name: x for name in map(skeleton.joint_names.__getitem__, locked) if (x := description.locked.get(name))
         },
+        frames=tuple(name for name in skeleton.frames_on(joints[-1]) if name != tip),
     )
     return Candidate(tuple(joints), report)
 
@@ -148,8 +151,9 @@ def weigh(candidates: Collection[Candidate], skeleton: Skeleton) -> list[Candida
 
     An exact limb goes before a near one, then the smaller miss, then the smaller elbow offset (three joints of a trunk
     and a shoulder can be a limb of their own, with the collar for an elbow), then the chain farther out. A refused
-    chain that shares joints with a limb (trunk and arm, arm and finger) says nothing and is left out; of refused chains
-    along one way from the root to an end, the one stays that lies most like a limb, and then whose axes miss least.
+    chain that shares joints with a limb, reported or not (trunk and arm, arm and finger), says nothing and is left out;
+    of refused chains along one way from the root to an end, the one stays that lies most like a limb, and then whose
+    axes miss least.
     """
     accepted = [candidate for candidate in candidates if candidate.report.limb is not None]
     refused = [candidate for candidate in candidates if candidate.report.limb is None]

@@ -147,6 +147,11 @@ class Skeleton:
         ranked = sorted(self._frames[1:], key=lambda frame: frame.rank)
         return list(dict.fromkeys(frame.name for frame in ranked))
 
+    def frames_on(self, joint: int) -> list[str]:
+        """Names of the links and sites that a joint carries, without those behind other joints."""
+        kinds = [_FRAME_PREFERENCE.index(kind) for kind in (pin.FrameType.BODY, pin.FrameType.OP_FRAME)]
+        return [frame.name for frame in self._frames if frame.joint == joint and frame.rank in kinds]
+
     def joint_of(self, frame: str) -> int:
         """Index of the joint that carries a frame, 0 for a frame that no joint moves."""
         return self._frames[self.find_frame(frame)].joint

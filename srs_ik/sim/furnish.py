@@ -98,6 +98,8 @@ class Furnisher:
         hand, centre = self.local_point(6, tip[:3, 3] + offset)
         load = hand.add_body(name="payload", pos=centre)
         load.explicitinertial, load.mass, load.inertia = True, mass, np.full(3, 0.4 * mass * radius**2)
+        # Not given, the compiler takes the place of the body in the hand for it.
+        load.ipos, load.iquat = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
 
     def _put_form(self, joint: int, form: Form) -> None:
         """A form of a link that a joint, counted from 1, moves; of a mesh its convex hull."""

@@ -56,8 +56,11 @@ def put_bands(P: Array) -> None:
 def _above(off: Array, true: Array, least: float) -> tuple[float, float]:
     """The line above all points (true, off), lowest where the elbow is almost straight: its value at 0, its slope.
 
-    At 0 it has some least value.
+    At 0 it has some least value. Without end where some point has none.
     """
+    if not np.isfinite(off).all():
+        # The elbow is so close to another axis that nothing is foretold.
+        return np.inf, 0.0
     starts = least * np.linspace(1.0, 3.0, 9)
     slopes = ((off - starts[:, None]) / np.maximum(true, STRAIGHT)).max(axis=1, initial=0.0)
     best = int((starts + slopes * ALMOST_STRAIGHT).argmin())
