@@ -140,3 +140,31 @@ def test_what_is_named_is_in_the_way_where_the_arm_comes_nearest_to_being_free(a
         deepest, between = truth.deepest(found.q)
         assert "wall" in between
         assert abs(found.collision.depth - deepest) < 1e-3
+
+
+BOXES = (
+    ((0.5, 0.2, 0.3), (0.2, 0.2, 0.6)),
+    ((-0.3, 0.5, 0.6), (0.2, 0.2, 0.4)),
+    ((0.0, -0.5, 0.5), (0.5, 0.1, 0.2)),
+    ((0.5, -0.2, 0.9), (0.2, 0.2, 0.2)),
+)
+
+
+@pytest.mark.slow
+def test_turns_of_which_spheres_leave_nothing_are_asked_of_the_real_shapes():
+    arm, scene = srs_ik.load("iiwa14"), srs_ik.Scene()
+    for k, (place, size) in enumerate(BOXES):
+        scene.add_box(f"box {k}", srs_ik.pose_from_xyz_rpy(place, [0, 0, 0]), size)
+    rng, met = np.random.default_rng(1), 0
+    seeds = [([-1.39, 1.93, -0.1, 2.07, 1.35, -1.88, 2.67], [-1.5, 2.0, -0.5, 2.1, 1.3, -1.9, 3.1], 2.46)]
+    for _ in range(40):
+        q = rng.uniform(arm.lower, arm.upper)
+        seeds.append((q, np.clip(q + rng.uniform(-0.5, 0.5, 7), arm.lower, arm.upper), rng.uniform(-3.0, 3.0)))
+    for q, near, roll in seeds:
+        pose = arm.forward_kinematics(q).homogeneous
+        held = arm.solve(pose, seed=near, scene=scene)
+        found = arm.solve(rolled(pose, AXIS, roll), seed=near, free_axis=AXIS, scene=scene)
+        met += bool(held)
+        # The roll as it was is one of those that are free.
+        assert not held or (found and np.linalg.norm(found.q - near) <= np.linalg.norm(held.q - near) + 1e-3)
+    assert met > 20

@@ -63,6 +63,9 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
             return known
         turned = _turned(T, turn)
         rows = around.all_free(turned, respect)
+        if not len(rows) and not around.is_exact:
+            # Spheres leave nothing: what do the real shapes?
+            rows, _ = around.by_shapes(turned, respect)
         return in_scene.best(around, turned, rows, None, near, respect) if len(rows) else None
 
     best, found, where = None, NO_POSTURE, 0
