@@ -15,8 +15,8 @@ from srs_ik.kernels.chain.newton import ON_LINE, STEPS, close_at_angle, elbow_ac
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves import changes as crossing
 from srs_ik.kernels.curves.ends import inside_of_blur
-from srs_ik.kernels.curves.follow import BLURRED, between, share_of_chord, tangent_at, vagueness
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
+from srs_ik.kernels.curves.follow import BLURRED, between, end_at, tangent_at, vagueness
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample, share_of_chord
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.outreach import EVERY_PAIR
 from srs_ik.kernels.curves.runs import certain_runs, samples_of
@@ -218,21 +218,21 @@ def passing(P, by, psi, a, b):
     R, p, place_ = by.target
     share = ahead_a / (ahead_a - ahead_b)
     chord = difference(q_a, q_b)
-    start = along7(q_a, share, chord)
-    q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
+    q, met = close_at_angle(P, along7(q_a, share, chord), R, p, place_[0], place_[1], psi, STEPS, by.A)
     off = difference(q_a, q)
     if met and dot7(chord, chord) < SAME_POSTURE and dot7(off, off) < SAME_POSTURE:
         return q, True
+    start, end = end_at(P, by, q_a), end_at(P, by, q_b)
     share = share_of_chord(q_a, q_b, q) if met else 2.0
     if 0.0 <= share <= 1.0:
-        there, met = between(P, by, q_a, q_b, share)
+        there, met = between(P, by, start, end, share)
         off = difference(there, q)
         if met and dot7(off, off) < SAME_CURVE:
             return q, True
     low, high, q, ahead = 0.0, 1.0, q_a, ahead_a
     for i in range(HALVINGS):
         share = low + (high - low) * (ahead_a / (ahead_a - ahead_b) if i % 3 != 2 else 0.5)
-        q, met = between(P, by, q_a, q_b, share)
+        q, met = between(P, by, start, end, share)
         if not met:
             return q, False
         ahead = short_way(angle_at(P, by, q) - psi)
