@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way, store7
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, largest, short_way, store7
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.newton import elbow_across
 from srs_ik.kernels.curves.ends import ON_LIMIT, infeasibility, inside_of_blur, on_chord, on_curve, sample_before
-from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector
-from srs_ik.kernels.curves.in_step import ARC, load_sample
+from srs_ik.kernels.curves.follow import BLURRED, arc_between, meet, null_vector
+from srs_ik.kernels.curves.in_step import ARC, load_end, load_sample
 from srs_ik.kernels.curves.told import (
     TOLD_MIDDLES,
     TOLD_PSI,
@@ -120,6 +120,7 @@ def met_change(P, by, curve, middle, x, y):
     a, b = on_chord(rows, low, x), on_chord(rows, low, y)
     if x < rows[low, 0] or y > rows[low + 1, 0]:
         return (x, a), False
+    start, end = load_end(rows[low]), load_end(rows[low + 1])
     joint, phase = 1 + 2 * middle, phase_of(P, middle)
     at_a, at_b = math.sin(a[joint] - phase), math.sin(b[joint] - phase)
     if at_a * at_b >= 0.0:
@@ -127,9 +128,10 @@ def met_change(P, by, curve, middle, x, y):
     share = at_a / (at_a - at_b)
     turned = a[joint] + share * short_way(b[joint] - a[joint])
     angle = phase + math.pi * math.floor((turned - phase) / math.pi + 0.5)
-    ends = load_sample(rows[low]), load_sample(rows[low + 1])
-    q, share, met = meet(P, by, ends, along7(a, share, difference(a, b)), joint, angle)
-    found = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
+    width = rows[low + 1, 0] - rows[low, 0]
+    arc = arc_between(P, by, start, end, (x - rows[low, 0] + share * (y - x)) / width)
+    q, share, met = meet(P, by, (start[0], end[0]), arc, joint, angle)
+    found = rows[low, 0] + share * width
     return (found, q), met and x < found < y
 
 
