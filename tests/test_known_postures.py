@@ -134,11 +134,19 @@ def test_curves_that_pass_two_singularities_at_once_are_not_left_for_others(benc
         assert_is_inside(bench, name, other)
 
 
-def test_branches_that_change_next_to_where_a_curve_turns_around_are_met_at_their_ends():
-    """Two branches of a wrist that is almost singular: one begins 1e-7 rad behind where the other's curve turns."""
+CHANGING = [
+    [0.26292346483180085, -0.5417770158558199, -0.9407470479179056, -2.213222200467193, -1.5181514180795466, -1e-05,
+     -2.5284168545207897],
+    [1.7724649286995886, 0.0, -2.994691579487433, -2.0685137056169602, 0.3515064974807074, 0.0, -1.0048114491328635],
+]  # fmt: skip
+"""Of a gen3, two branches of a wrist that is almost singular, of which one begins 1e-7 rad behind where the other's
+curve turns; and one of a curve whose joints 2 and 6 pass zero together, 1e-4 rad beside another curve."""
+
+
+@pytest.mark.parametrize("q", CHANGING)
+def test_branches_that_change_next_to_other_curves_are_met_at_their_ends(q):
     arm, forward = arms.load("gen3"), arms.forward("gen3")
-    q = [0.26292346483180085, -0.5417770158558199, -0.9407470479179056, -2.213222200467193]
-    pose = forward(np.array([*q, -1.5181514180795466, -1e-05, -2.5284168545207897]))
+    pose = forward(np.array(q))
     for interval in arm.intervals(pose):
         for psi in (interval.lower, interval.upper):
             solution = arm.solve(pose, arm_angle=psi, branch=interval.branch)

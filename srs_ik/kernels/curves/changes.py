@@ -14,8 +14,8 @@ from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
 from srs_ik.kernels.chain.newton import elbow_across
 from srs_ik.kernels.curves.ends import ON_LIMIT, infeasibility, inside_of_blur, on_chord, on_curve, sample_before
-from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector, share_beside
-from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample
+from srs_ik.kernels.curves.follow import BLURRED, arc_between, meet, null_vector
+from srs_ik.kernels.curves.in_step import ARC, between_eight, load_end, load_sample, share_beside
 from srs_ik.kernels.curves.told import (
     TOLD_MIDDLES,
     TOLD_PSI,
@@ -129,6 +129,7 @@ def met_change(P, by, curve, middle, x, y):
     a, b = on_chord(rows, low, x), on_chord(rows, low, y)
     if x < rows[low, 0] or y > rows[low + 1, 0]:
         return (x, a), False
+    start, end = load_end(rows[low]), load_end(rows[low + 1])
     joint, phase = 1 + 2 * middle, phase_of(P, middle)
     at_a, at_b = math.sin(a[joint] - phase), math.sin(b[joint] - phase)
     if at_a * at_b >= 0.0:
@@ -136,9 +137,10 @@ def met_change(P, by, curve, middle, x, y):
     share = at_a / (at_a - at_b)
     turned = a[joint] + share * short_way(b[joint] - a[joint])
     angle = phase + math.pi * math.floor((turned - phase) / math.pi + 0.5)
-    ends = load_sample(rows[low]), load_sample(rows[low + 1])
-    q, share, met = meet(P, by, ends, along7(a, share, difference(a, b)), joint, angle)
-    found = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
+    width = rows[low + 1, 0] - rows[low, 0]
+    arc = arc_between(P, by, start, end, (x - rows[low, 0] + share * (y - x)) / width)
+    q, share, met = meet(P, by, (start[0], end[0]), arc, joint, angle)
+    found = rows[low, 0] + share * width
     return (found, q), met and x < found < y
 
 

@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, s
 from srs_ik.kernels.chain.eight import take_ways
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, close_gently
 from srs_ik.kernels.curves.follow import arc_between, between, meet, tangent_at, vagueness
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
+from srs_ik.kernels.curves.in_step import SAMPLE, load_end, load_sample
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, MIDDLE, SLACK_LIMIT, UPPER
 from srs_ik.kernels.layout.search import SPLIT
@@ -164,7 +164,7 @@ def on_curve(P, by, branch, curve, x):
             met = error <= CLOSED
         else:
             share = (x - rows[low, 0]) / (rows[high, 0] - rows[low, 0])
-            q, met = between(P, by, load_sample(rows[low]), load_sample(rows[high]), share)
+            q, met = between(P, by, load_end(rows[low]), load_end(rows[high]), share)
         if not met:
             return q, NO_BRANCH
     q = turned(P, q, False, NO_SEED, by.respect)
@@ -198,17 +198,17 @@ def edge_on_limit(P, by, curve, x, y):
     if min(x, y) < rows[low, 0] or max(x, y) > rows[low + 1, 0]:
         return none, False
     a, b = on_chord(rows, low, x), on_chord(rows, low, y)
-    start, end = load_sample(rows[low]), load_sample(rows[low + 1])
+    start, end = load_end(rows[low]), load_end(rows[low + 1])
+    way = difference(start[0], end[0])
     for _ in range(LIMITS_IN_TURN):
         joint, limit, share = first_limit(P, a, b)
         if joint < 0:
             return none, False
         q = along7(a, share, difference(a, b))
-        way = difference(start, end)
-        q = arc_between(P, by, start, end, dot7(difference(start, q), way) / dot7(way, way))
+        q = arc_between(P, by, start, end, dot7(difference(start[0], q), way) / dot7(way, way))
         # The same limit, a whole turn away or not.
         limit = q[joint] + short_way(limit - q[joint])
-        q, share, met = meet(P, by, (start, end), q, joint, limit)
+        q, share, met = meet(P, by, (start[0], end[0]), q, joint, limit)
         found = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
         if not met or (found - x) * (found - y) > 0.0:
             return none, False

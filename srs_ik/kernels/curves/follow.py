@@ -21,7 +21,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, LEFT, ROUNDING, load_system, longest, moved, pose_step
 from srs_ik.kernels.curves import in_step
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.limb.branches import sine_of
 from srs_ik.kernels.limb.goal import NO_SEED
 
 MOST_STEPS = 600
@@ -41,9 +41,6 @@ BLURRED = 1e-2
 
 SHRUNK = 0.5
 """Steps back to the curve that shrink by less, where the pose is met, are rounding."""
-
-ASTRAY = 0.1
-"""What is looked for between two samples is no farther from the way between them, squared and in parts of it."""
 
 SAME_CURVE = 4e-6
 """A posture this close to a curve, rad squared, lies on it."""
@@ -109,6 +106,15 @@ def tangent_at(P, by, q):
 
 
 @kernel
+def way_at(P, by, q, way):
+    """The way of a curve at a posture, and whether it has one; that which is known of it is given."""
+    if dot7(way, way) > 0.5 and abs(sine_of(P, q, 2)) > in_step.TURNING_WRIST:
+        return way, True
+    t, sign = tangent_at(P, by, q)
+    return t, sign != 0.0
+
+
+@kernel
 def vagueness(J, t, A):
     """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
     load_system(J, t, A)
@@ -158,28 +164,49 @@ def correct(P, by, q, d, place):
 
 
 @kernel
+def end_at(P, by, q):
+    """A posture with the way of its curve."""
+    t, _ = tangent_at(P, by, q)
+    return q, t
+
+
+@kernel
+def aside_of(P, by, end, chord):
+    """How far aside of a chord the tangent at an end of it has led at its length; the end is a posture and its way.
+
+    Nothing where the curve goes elsewhere. The way is found where it is not known.
+    """
+    t, _ = way_at(P, by, end[0], end[1])
+    ahead, length2 = dot7(t, chord), dot7(chord, chord)
+    if not ahead * ahead > STRAIGHT_ON * length2:
+        return NO_SEED
+    return along7(along7(NO_SEED, length2 / ahead, t), -1.0, chord)
+
+
+@kernel
 def arc_between(P, by, a, b, share):
-    """The point at a share of the way from sample a to b on a parabola that leaves a along the curve.
+    """The point at a share of the way between two postures on the cubic that has the ways of their curve at both.
 
     A chord is as far off as another curve may be that passes by.
     """
-    chord, (t, sign) = difference(a, b), tangent_at(P, by, a)
-    ahead, length2 = dot7(t, chord), dot7(chord, chord)
-    start = along7(a, share, chord)
-    if sign == 0.0 or not ahead * ahead > STRAIGHT_ON * length2:
-        return start
-    return along7(start, share * (1.0 - share), along7(along7(NO_SEED, length2 / ahead, t), -1.0, chord))
+    chord = difference(a[0], b[0])
+    left = 1.0 - share
+    arc = along7(along7(a[0], share, chord), share * left * left, aside_of(P, by, a, chord))
+    return along7(arc, -share * share * left, aside_of(P, by, b, chord))
 
 
 @kernel
 def between(P, by, a, b, share):
-    """The posture of a curve between samples a and b, at a share of the way along their chord: q, whether it is met."""
-    chord = difference(a, b)
+    """The posture of a curve between two, at a share of the way along their chord: q, whether it is met.
+
+    Each of the two is given with the way of the curve, nothing if that is not known.
+    """
+    chord = difference(a[0], b[0])
     length = math.sqrt(dot7(chord, chord))
     if length == 0.0:
-        return a, True
+        return a[0], True
     d = along7(NO_SEED, 1.0 / length, chord)
-    return correct(P, by, arc_between(P, by, a, b, share), d, dot7(d, a) + share * length)
+    return correct(P, by, arc_between(P, by, a, b, share), d, dot7(d, a[0]) + share * length)
 
 
 @kernel
@@ -189,36 +216,13 @@ def meet(P, by, chord, q, joint, angle):
     The chord is given as its ends.
     """
     q, met = correct(P, by, q, only(joint, 1.0), angle)
-    share, beside = share_beside(chord[0], chord[1], q)
+    share, beside = in_step.share_beside(chord[0], chord[1], q)
     return q, share, met and beside
 
 
 @kernel
-def share_beside(start, end, q):
-    """The share of a chord at which a posture that was looked for there is passed, and whether it is not astray."""
-    way, to_q = difference(start, end), difference(start, q)
-    length2 = dot7(way, way)
-    share = dot7(to_q, way) / length2
-    off = along7(to_q, -share, way)
-    return share, dot7(off, off) <= ASTRAY * length2
-
-
-@kernel
-def share_of_chord(a, b, q):
-    """The share of the way from posture a to b at which one beside it is passed; 2 where it is not beside it."""
-    chord = difference(a, b)
-    to_q = difference(a, q)
-    length2 = dot7(chord, chord)
-    share = dot7(to_q, chord)
-    if length2 == 0.0 or share < -in_step.BESIDE * length2 or share > (1.0 + in_step.BESIDE) * length2:
-        return 2.0
-    off = along7(to_q, -share / length2, chord)
-    return share / length2 if dot7(off, off) < in_step.BESIDE * in_step.BESIDE * length2 + CLOSED else 2.0
-
-
-@kernel
 def is_passed(P, by, a, b, share, q):
-    """Whether a posture beside the way from a to b is on their curve itself, not on another one next to it."""
+    """Whether a posture beside the way between two (`between`) is on their curve itself, not on another next to it."""
     there, met = between(P, by, a, b, share)
     off = difference(there, q)
     return met and dot7(off, off) < SAME_CURVE
@@ -231,26 +235,11 @@ def is_known(P, by, q, t, rows, curves, count):
         for i in range(int(curves[k, 0]), int(curves[k, 1]) - 1):
             if abs(short_way(q[0] - rows[i, 1])) > in_step.BEYOND or abs(short_way(q[4] - rows[i, 5])) > in_step.BEYOND:
                 continue
-            a, b = in_step.load_sample(rows[i]), in_step.load_sample(rows[i + 1])
-            share = share_of_chord(a, b, q)
-            if share < 2.0 and dot7(t, difference(a, b)) > 0.0 and is_passed(P, by, a, b, share, q):
+            a, b = in_step.load_end(rows[i]), in_step.load_end(rows[i + 1])
+            share = in_step.share_of_chord(a[0], b[0], q)
+            if share < 2.0 and dot7(t, difference(a[0], b[0])) > 0.0 and is_passed(P, by, a, b, share, q):
                 return True
     return False
-
-
-@kernel
-def side_of_one(q, phase):
-    """Half turns of a middle angle from its phase, down to the last whole one."""
-    return math.floor((q - phase) / math.pi)
-
-
-@kernel
-def passes_two(P, a, b):
-    """Whether two singularities or more are passed between two postures."""
-    passed = abs(side_of_one(a[1], P[SHOULDER + PHASE]) - side_of_one(b[1], P[SHOULDER + PHASE]))
-    passed += abs(side_of_one(a[3], P[STRAIGHT]) - side_of_one(b[3], P[STRAIGHT]))
-    passed += abs(side_of_one(a[5], P[WRIST + PHASE]) - side_of_one(b[5], P[WRIST + PHASE]))
-    return passed > 1
 
 
 @kernel
@@ -331,14 +320,14 @@ def follow(P, by, q, t, way, rows, n):
             continue
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
-        jumps = step > in_step.longest_across(P) and passes_two(P, q, next_q)
+        jumps = step > in_step.longest_across(P) and in_step.passes_two(P, q, next_q)
         turns = sign <= 0.0 or cosine < in_step.SMALLEST_COSINE
         if turns or jumps or strays(by, q, next_q, next_t, way * step, cosine):
             step *= in_step.SHRINKAGE
             continue
         if n - n0 > 2 and dot7(first_t, t) > in_step.SMALLEST_COSINE:
-            share = share_of_chord(q, next_q, first)
-            if share <= 1.0 and is_passed(P, by, q, next_q, share, first):
+            share = in_step.share_of_chord(q, next_q, first)
+            if share <= 1.0 and is_passed(P, by, (q, t), (next_q, next_t), share, first):
                 return put_with(rows, n, length + share * step, first, first_t), True, q, t
         turned_by = difference(t, next_t)
         q = next_q

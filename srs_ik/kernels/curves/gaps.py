@@ -13,13 +13,12 @@ import math
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.curves.ends import closed_inside, joint_beyond
-from srs_ik.kernels.curves.follow import between, put, share_of_chord, tangent_at
-from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.follow import between, put, way_at
+from srs_ik.kernels.curves.in_step import load_sample, share_of_chord
 from srs_ik.kernels.curves.lowest import UNSURE
-from srs_ik.kernels.curves.told import TURNING_WRIST, UNTOLD, turning_between
+from srs_ik.kernels.curves.told import UNTOLD, turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
-from srs_ik.kernels.limb.branches import sine_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle
 
@@ -39,16 +38,16 @@ WELL_INSIDE = 0.5
 
 @kernel
 def pass_at(P, by, a, b, j, middle):
-    """The posture between a and b at which joint j passes an angle: q, its share of the way, whether it is met.
+    """The posture between two (`between`) at which joint j passes an angle: q, its share of the way, whether it is met.
 
     `middle` holds that angle, and how far from it, rad, will do.
     """
     angle, tolerance = middle
-    start = short_way(a[j] - angle)
+    start = short_way(a[0][j] - angle)
     low = 0.0
     high = 1.0
-    share = start / short_way(a[j] - b[j])
-    q = a
+    share = start / short_way(a[0][j] - b[0][j])
+    q = a[0]
     met = False
     for _ in range(HALVINGS):
         q, met = between(P, by, a, b, share)
@@ -79,10 +78,10 @@ def insert(line, first, n, x, q):
 def put_gaps(P, by, start, end, line, n):
     """Append a sample for every gap and every narrow range between two of a curve, in order; return the number of rows.
 
-    A sample is given as its parameter and its posture.
+    A sample is given as its parameter, its posture, and the way of the curve if it is known.
     """
-    x_a, a = start
-    x_b, b = end
+    x_a, a, way_a = start
+    x_b, b, way_b = end
     way = difference(a, b)
     first = n
     for j in range(7):
@@ -97,7 +96,7 @@ def put_gaps(P, by, start, end, line, n):
             passed = off * (off + way[j]) < 0.0 and abs(off) <= abs(way[j])
             if not passed or (opposite == 1 and min(abs(off), abs(off + way[j])) <= half):
                 continue
-            q, share, met = pass_at(P, by, a, b, j, (angle, WELL_INSIDE * room))
+            q, share, met = pass_at(P, by, (a, way_a), (b, way_b), j, (angle, WELL_INSIDE * room))
             if met:
                 n = insert(line, first, n, x_a + share * (x_b - x_a), q)
     return n
@@ -154,15 +153,6 @@ def may_turn_across(P, j, end, ways, bulge):
     at_a = outside_of(P, j, end, turn_to_middle(P, j, ways[0]))
     at_b = outside_of(P, j, end, turn_to_middle(P, j, ways[1]))
     return (at_a > 0.0) == (at_b > 0.0) and may_cross(abs(at_a), abs(at_b), bulge)
-
-
-@kernel
-def way_at(P, by, q, way):
-    """The way of a curve at a posture, and whether it has one; that which is known of it is given."""
-    if dot7(way, way) > 0.5 and abs(sine_of(P, q, 2)) > TURNING_WRIST:
-        return way, True
-    t, sign = tangent_at(P, by, q)
-    return t, sign != 0.0
 
 
 @kernel
@@ -230,9 +220,9 @@ def put_turns(P, by, start, end, bulge, turns):
         x = x_a + share_of_chord(a, b, q) * (x_b - x_a)
         n = insert(turns, 0, n, x, q)
         inside = P[MIDDLE + j], WELL_INSIDE * 0.5 * (P[UPPER + j] - P[LOWER + j])
-        for from_x, from_q, _ in (start, end):
+        for from_x, from_q, from_way in (start, end):
             if joint_beyond(P, j, from_q) > 0.0 and joint_beyond(P, j, q) > 0.0:
-                passing, share, met = pass_at(P, by, from_q, q, j, inside)
+                passing, share, met = pass_at(P, by, (from_q, from_way), (q, NO_SEED), j, inside)
                 if met:
                     n = insert(turns, 0, n, from_x + share * (x - from_x), passing)
     return n
@@ -252,9 +242,9 @@ def put_bounds(P, by, start, end, turns, line, n):
     if outside and any_outside(P, b) and not may_be_inside(P, a, b, bulge):
         return n
     n_turns = put_turns(P, by, start, end, bulge, turns)
-    before = start[0], a
+    before = start
     for i in range(n_turns + 1):
-        behind = (turns[i, 0], load_sample(turns[i])) if i < n_turns else (end[0], b)
+        behind = (turns[i, 0], load_sample(turns[i]), NO_SEED) if i < n_turns else end
         outside_behind = any_outside(P, behind[1])
         if outside and outside_behind:
             n = put_crossings(P, by, before, behind, bulge, line, n)
@@ -267,8 +257,8 @@ def put_bounds(P, by, start, end, turns, line, n):
 @kernel
 def put_crossings(P, by, start, end, bulge, line, n):
     """Append samples where joints pass a limit between two postures that break limits; return the rows in use."""
-    x_a, a = start
-    x_b, b = end
+    x_a, a, way_a = start
+    x_b, b, way_b = end
     if not may_be_inside(P, a, b, bulge):
         return n
     first = n
@@ -286,7 +276,7 @@ def put_crossings(P, by, start, end, bulge, line, n):
             if has_settled(crossing):
                 break
             share = next_parameter(crossing)
-            q, met = between(P, by, a, b, share)
+            q, met = between(P, by, (a, way_a), (b, way_b), share)
             if not met:
                 break
             f = joint_beyond(P, j, q)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, larger, one_of, where, whole_number
 from srs_ik.kernels.chain import newton_eight
 from srs_ik.kernels.chain.eight import take_eight, take_ways
-from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
+from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, MAX_STEP
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
@@ -54,8 +54,14 @@ ASIDE = 1e-5
 """A step is outside of what lies between the ways of its curve at both ends by no more than this part of it, squared:
 else it has led to another curve."""
 
+ASTRAY = 0.1
+"""What is looked for between two samples is no farther from the way between them, squared and in parts of it."""
+
 VAGUE = 1e-6
 """Where several joints are singular at once, floats tell whether a posture is on a curve no better, rad squared."""
+
+TURNING_WRIST = 1e-4
+"""Sine of q6 below which a way along a curve is asked for alone: in step it divides by what axes 5 to 7 span."""
 
 SETTLED = 1e-14
 """A step that has settled is on a curve up to this, rad squared."""
@@ -111,6 +117,12 @@ def way_of_sample(sample):
 
 
 @kernel
+def load_end(sample):
+    """Joint angles of a sample, and the way of its curve."""
+    return load_sample(sample), way_of_sample(sample)
+
+
+@kernel
 def step_after(step, cosine, longest):
     """The length of the next step along a curve that has turned on one by a cosine, no longer than given."""
     growth = FAST_GROWTH if cosine > ALL_BUT_STRAIGHT else (GROWTH if cosine > WELL_STRAIGHT else 1.0)
@@ -137,6 +149,21 @@ def crosses_two(P, a, b, step):
     across_6 = side_of(a[5], P[WRIST + PHASE]) - side_of(b[5], P[WRIST + PHASE])
     passed = abs(across_2) + abs(across_4) + abs(across_6)
     return (passed > 1.5) & (step > longest_across(P))
+
+
+@kernel
+def side_of_one(q, phase):
+    """Half turns of a middle angle from its phase, down to the last whole one."""
+    return math.floor((q - phase) / math.pi)
+
+
+@kernel
+def passes_two(P, a, b):
+    """Whether two singularities or more are passed between two postures."""
+    passed = abs(side_of_one(a[1], P[SHOULDER + PHASE]) - side_of_one(b[1], P[SHOULDER + PHASE]))
+    passed += abs(side_of_one(a[3], P[STRAIGHT]) - side_of_one(b[3], P[STRAIGHT]))
+    passed += abs(side_of_one(a[5], P[WRIST + PHASE]) - side_of_one(b[5], P[WRIST + PHASE]))
+    return passed > 1
 
 
 @kernel
@@ -228,6 +255,29 @@ def to_curves(P, R, p, q, which, until):
         last = size
         turns = newton_eight.turned_by_all(turns, d)
     return q, t, met
+
+
+@kernel
+def share_beside(start, end, q):
+    """The share of a chord at which a posture that was looked for there is passed, and whether it is not astray."""
+    way, to_q = difference(start, end), difference(start, q)
+    length2 = dot7(way, way)
+    share = dot7(to_q, way) / length2
+    off = along7(to_q, -share, way)
+    return share, dot7(off, off) <= ASTRAY * length2
+
+
+@kernel
+def share_of_chord(a, b, q):
+    """The share of the way from posture a to b at which one beside it is passed; 2 where it is not beside it."""
+    chord = difference(a, b)
+    to_q = difference(a, q)
+    length2 = dot7(chord, chord)
+    share = dot7(to_q, chord)
+    if length2 == 0.0 or share < -BESIDE * length2 or share > (1.0 + BESIDE) * length2:
+        return 2.0
+    off = along7(to_q, -share / length2, chord)
+    return share / length2 if dot7(off, off) < BESIDE * BESIDE * length2 + CLOSED else 2.0
 
 
 @kernel

@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.curves.ends import dip, on_curve, sample_before
 from srs_ik.kernels.curves.follow import between, tangent_at
-from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample, on_way, one_of_seven
+from srs_ik.kernels.curves.in_step import ARC, between_eight, load_end, load_sample, on_way, one_of_seven
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Goal
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
@@ -95,8 +95,8 @@ def look_between(P, by, ends, looks, goal, best):
 
     `best` is that with its share.
     """
-    a, b = ends
-    chord = difference(a, b)
+    a = ends[0][0]
+    chord = difference(a, ends[1][0])
     q, t, met = between_eight(P, by, on_way(a, chord, gather(row(looks, 0), LOOK_SHARE, LOOK)), chord)
     speed = dot7(chord, chord) / dot7(t, chord)
     for i in range(LOOKS):
@@ -104,7 +104,7 @@ def look_between(P, by, ends, looks, goal, best):
         own, way, there = one_of_seven(q, i), along7(NO_SEED, one_of(speed, i), one_of_seven(t, i)), (met >> i) & 1 == 1
         if not there:
             # In step it divides by what axes 5 to 7 span.
-            own, there = between(P, by, a, b, looks[i, LOOK_SHARE])
+            own, there = between(P, by, ends[0], ends[1], looks[i, LOOK_SHARE])
             way, _ = tangent_at(P, by, own)
             way = along7(NO_SEED, dot7(chord, chord) / dot7(way, chord), way)
         if there:
@@ -178,7 +178,7 @@ def close_in_on(P, by, curve, bracket, goal, best):
     if lower == upper:
         return best, x
     low = sample_before(curve, 0.5 * (lower + upper))
-    ends = load_sample(rows[low]), load_sample(rows[low + 1])
+    ends = load_end(rows[low]), load_end(rows[low + 1])
     way = rows[low + 1, 0] - rows[low, 0]
     # Where the cost jumps to another turn next to the middle one, no look may be as low.
     known = (x - rows[low, 0]) / way, value, rate * way

@@ -207,7 +207,7 @@ def unroll(P, by, rows, curve, line):
         here = rows[first + j, 0] + round_, load_sample(rows[first + j]), way_of_sample(rows[first + j])
         next_f = off[first + j, 0]
         if i > 0 and may_meet(f, next_f, ARC * (here[0] - before[0])):
-            for k in range(put_gaps(P, by, before[:2], here[:2], gaps, 0)):
+            for k in range(put_gaps(P, by, before, here, gaps, 0)):
                 gap = gaps[k, 0], load_sample(gaps[k]), NO_SEED
                 n = put_bounds(P, by, before, gap, turns, line, n)
                 n = put(line, n, gap[0], gap[1])

@@ -28,8 +28,8 @@ from srs_ik.kernels.curves.changes import (
     turned_back,
 )
 from srs_ik.kernels.curves.ends import inside_of_blur, on_curve, sample_before
-from srs_ik.kernels.curves.follow import BLURRED, share_beside
-from srs_ik.kernels.curves.in_step import between_eight, load_sample
+from srs_ik.kernels.curves.follow import BLURRED
+from srs_ik.kernels.curves.in_step import between_eight, load_sample, share_beside
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,

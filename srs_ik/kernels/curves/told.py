@@ -18,6 +18,7 @@ from srs_ik.kernels.curves.follow import between, correct, tangent_at
 from srs_ik.kernels.curves.in_step import (
     SAMPLE,
     SAMPLE_WAY,
+    TURNING_WRIST,
     are_ways,
     between_eight,
     load_sample,
@@ -36,9 +37,6 @@ TOLD_BRANCH, TOLD_PSI, TOLD_RATE, TOLD_MIDDLES = range(4)
 TOLD_SINES = 6
 """What a sample tells: its branch, its arm angle, rad, the rates of that and of joints 2, 4, 6 along the curve, and the
 sines of these joints from their phases on."""
-
-TURNING_WRIST = 1e-4
-"""Sine of q6 below which a way along a curve is asked for alone: in step it divides by what axes 5 to 7 span."""
 
 ARM_ANGLE = -1
 """The arm angle, where joints are numbered from 0 on."""
@@ -277,5 +275,5 @@ def turning_between(P, by, a, b, rise, joint, rates):
         d = along7(NO_SEED, 1.0 / length, chord)
         turning, is_there = correct(P, by, on_cubic(before, behind, chord, share), d, dot7(d, a) + share * length)
     else:
-        turning, is_there = between(P, by, a, b, share)
+        turning, is_there = between(P, by, (a, NO_SEED), (b, NO_SEED), share)
     return turning if is_there else a

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way, store7
 from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
@@ -15,8 +15,8 @@ from srs_ik.kernels.chain.newton import ON_LINE, STEPS, close_at_angle, elbow_ac
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves import changes as crossing
 from srs_ik.kernels.curves.ends import inside_of_blur
-from srs_ik.kernels.curves.follow import BLURRED, between, share_of_chord, tangent_at, vagueness
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
+from srs_ik.kernels.curves.follow import BLURRED, arc_between, between, tangent_at, vagueness, way_at
+from srs_ik.kernels.curves.in_step import SAMPLE, load_end, load_sample, put_sample, share_of_chord
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.outreach import EVERY_PAIR
 from srs_ik.kernels.curves.runs import certain_runs, samples_of
@@ -155,7 +155,7 @@ def told_runs(P, by, samples, n_samples, runs, are_all):
             if not on:
                 n = put_back(P, by, curve, (samples[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]), n, out)
             if n < room:
-                put_sample(out.rows, n, samples[i, 0], load_sample(samples[i]))
+                copy(row(samples, i), row(out.rows, n), SAMPLE)
                 copy(row(told, i), row(out.told, n), TOLD)
                 n += 1
         runs[index, 4] = n
@@ -212,28 +212,30 @@ def is_here(P, by, q, ahead):
 def passing(P, by, psi, a, b):
     """The posture between two of a curve at an arm angle that lies between theirs, and whether it is met.
 
-    Postures are given with how far their arm angles are ahead.
+    Postures are given with the way of the curve (`follow.between`) and with how far their arm angles are ahead.
     """
-    q_a, ahead_a = a
-    q_b, ahead_b = b
+    start, ahead_a = a
+    end, ahead_b = b
+    q_a, q_b = start[0], end[0]
     R, p, place_ = by.target
     share = ahead_a / (ahead_a - ahead_b)
     chord = difference(q_a, q_b)
-    start = along7(q_a, share, chord)
-    q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
+    start, end = (q_a, way_at(P, by, q_a, start[1])[0]), (q_b, way_at(P, by, q_b, end[1])[0])
+    there = arc_between(P, by, start, end, share)
+    q, met = close_at_angle(P, there, R, p, place_[0], place_[1], psi, STEPS, by.A)
     off = difference(q_a, q)
     if met and dot7(chord, chord) < SAME_POSTURE and dot7(off, off) < SAME_POSTURE:
         return q, True
     share = share_of_chord(q_a, q_b, q) if met else 2.0
     if 0.0 <= share <= 1.0:
-        there, met = between(P, by, q_a, q_b, share)
+        there, met = between(P, by, start, end, share)
         off = difference(there, q)
         if met and dot7(off, off) < SAME_CURVE:
             return q, True
     low, high, q, ahead = 0.0, 1.0, q_a, ahead_a
     for i in range(HALVINGS):
         share = low + (high - low) * (ahead_a / (ahead_a - ahead_b) if i % 3 != 2 else 0.5)
-        q, met = between(P, by, q_a, q_b, share)
+        q, met = between(P, by, start, end, share)
         if not met:
             return q, False
         ahead = short_way(angle_at(P, by, q) - psi)
@@ -288,7 +290,8 @@ def look_between(P, by, followed, i, psi, goal, out):
     at_a, at_b = told[i - 1, TOLD_PSI], told[i, TOLD_PSI]
     ahead_a = short_way(at_a - psi)
     ahead_b = ahead_a + short_way(at_b - at_a)
-    a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
+    start, end = load_end(followed.rows[i - 1]), load_end(followed.rows[i])
+    a, b = start[0], end[0]
     rate_a, rate_b = told[i - 1, TOLD_RATE], told[i, TOLD_RATE]
     nearest = min(abs(ahead_a), abs(ahead_b))
     # Where the elbow passes close by the line S-W, the arm angle turns around before it and behind it.
@@ -303,16 +306,17 @@ def look_between(P, by, followed, i, psi, goal, out):
         keep_found(P, by, a, branch, goal, out)
     if is_here(P, by, b, ahead_b):
         keep_found(P, by, b, next_branch, goal, out)
-    last, side = (a, ahead_a), 1.0 if rate_a > 0.0 else -1.0
+    last, side = (start, ahead_a), 1.0 if rate_a > 0.0 else -1.0
     for _ in range(turns):
         turning = turning_between(P, by, a, b, side, ARM_ANGLE, (rate_a, rate_b))
         turning = inside_of_blur(P, by, turning, BLURRED)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
-        put_passing(P, by, psi, branch, (last, (turning, ahead)), goal, out)
+        here = (turning, NO_SEED), ahead
+        put_passing(P, by, psi, branch, (last, here), goal, out)
         if is_here(P, by, turning, ahead):
             keep_found(P, by, turning, branch, goal, out)
-        last, side, nearest = (turning, ahead), -side, min(nearest, abs(ahead))
-    put_passing(P, by, psi, branch, (last, (b, ahead_b)), goal, out)
+        last, side, nearest = here, -side, min(nearest, abs(ahead))
+    put_passing(P, by, psi, branch, (last, (end, ahead_b)), goal, out)
     return nearest
 
 

@@ -18,7 +18,7 @@ import math
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, store7
 from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
-from srs_ik.kernels.curves.follow import between
+from srs_ik.kernels.curves.follow import between, end_at
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import A1, A2, A3, BOTTOM_GAP, LOWER, RANGE_KIND, SHOULDER, TOP_GAP, UPPER, WRIST
 from srs_ik.kernels.layout.path import CELL, CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO
@@ -133,9 +133,10 @@ def stray_near(P, target, a, b, J, A):
     """The same of a piece of a curve of a near limb, as it is measured."""
     d = along_cell(a, b)
     by = setting_of(P, target, J, A)
+    start, end = end_at(P, by, a), end_at(P, by, b)
     most = 0.0
     for part in range(1, PARTS):
-        q, met = between(P, by, a, b, part / PARTS)
+        q, met = between(P, by, start, end, part / PARTS)
         if not met:
             return FREE
         most = max(most, distance_to(along7(a, 1.0, difference(a, q)), a, d))

@@ -4,7 +4,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7
 from srs_ik.kernels.algebra.pointers import read7, row
-from srs_ik.kernels.curves.follow import between
+from srs_ik.kernels.curves.follow import between, end_at
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
@@ -135,11 +135,12 @@ def cover_curve(P, target, ends, net, n, J, A):
     d = along_cell(a, b)
     count = math.ceil(length_of(d) / net.longest)
     by = setting_of(P, target, J, A)
+    start, end = end_at(P, by, a), end_at(P, by, b)
     q = a
     for part in range(1, count + 1):
         wanted = b
         if part < count:
-            inner, met = between(P, by, a, b, part / count)
+            inner, met = between(P, by, start, end, part / count)
             wanted = along7(q, 1.0, difference(q, inner)) if met else along7(a, part / count, d)
         if n >= net.cells.shape[0]:
             break

@@ -10,7 +10,7 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, dot7
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.curves.follow import between, correct, tangent_at
-from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.in_step import load_sample, way_of_sample
 from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Setting
@@ -70,9 +70,10 @@ def take_runs(P, target, sheet, n, J, A):
             begun = i > int(runs[k, 3])
             wanted = turn_all(P, load_sample(rows[i]), q, begun)
             if begun:
+                start, end = (q, way_of_sample(rows[i - 1])), (wanted, way_of_sample(rows[i]))
                 parts = min(math.ceil(apart(wanted, q) / SPACING), MOST_PARTS)
                 for part in range(1, parts):
-                    inner, met = between(P, by, q, wanted, part / parts)
+                    inner, met = between(P, by, start, end, part / parts)
                     if met:
                         n = put_next(P, turn_all(P, inner, q, True), sheet, n, True)
             n = put_next(P, wanted, sheet, n, begun)
