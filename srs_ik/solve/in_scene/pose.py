@@ -167,9 +167,7 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
     wide = around.widest(T, among, _WIDE_ENOUGH) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
     branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
     # Too narrow a set of free angles may not have been found, and yet this posture be in it.
-    return _judged(
-        around, pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
-    )
+    return _judged(around, pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect))
 
 
 def _judged(around: Surroundings, solution: Solution) -> Solution:

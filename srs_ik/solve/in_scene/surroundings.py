@@ -78,15 +78,15 @@ class Surroundings:
 
     def in_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals in which bodies that ranges of joints watch do not meet; `found` are those in the limits."""
-        return self._within((self.tight, self.jammed), T, found, respect)
+        return self.within((self.tight, self.jammed), T, found, respect)
 
     def not_meeting(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) the same where the margin is too much to ask of them, and they need only not meet."""
-        return self._within(self._cut_limits(tightened, 0.0), T, found, respect)
+        return self.within(self._cut_limits(tightened, 0.0), T, found, respect)
 
     def not_out_of_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals outside of which some of these bodies are nearer than the margin for certain."""
-        return self._within(self._cut_limits(loosened, self.margin), T, found, respect)
+        return self.within(self._cut_limits(loosened, self.margin), T, found, respect)
 
     def keeps_range(self, q: Array) -> bool:
         """Whether a posture is in the ranges of joints that keep apart the bodies which they watch."""
@@ -98,7 +98,8 @@ class Surroundings:
     def _cut_limits(self, cut: Cut, margin: float) -> Limits:
         return cut_limits(self.arm, self.packed, self.tables.ranges, cut, margin)
 
-    def _within(self, cut: Limits, T: Array, found: Array, respect: bool) -> Array:
+    def within(self, cut: Limits, T: Array, found: Array, respect: bool) -> Array:
+        """(n, 3) intervals of a pose within limits; `found` are those in the limits of the arm."""
         both, jammed = cut
         limits = both[bool(respect)]
         if limits is None:
