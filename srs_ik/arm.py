@@ -470,7 +470,8 @@ class Arm(BodyOwner):
             objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint
                 angles, rad, to be minimised (with `maximise=True`, maximised); joints that have several turns
                 between their limits, 16 at most, are turned one after another to the best. With a scene also
-                "clearance", the least distance of all bodies that are watched, m, by the spheres, which is maximised.
+                "clearance", the least distance of all pairs that are watched, m, which is maximised: by the spheres,
+                and for pairs that the range of a joint watches by the bound that is known of their distance there.
             respect_limits: whether q has to keep the joint limits.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m; it goes with a scene.

@@ -12,6 +12,7 @@ from srs_ik.inputs.angles import as_branch, as_seeds, seed_of
 from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
 from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.answer import ROW
+from srs_ik.solve import elbow as in_limits
 from srs_ik.solve.elbow import wanted_angles
 from srs_ik.solve.in_scene.pose import best, solve
 from srs_ik.solve.in_scene.surroundings import chosen, narrowed
@@ -30,6 +31,12 @@ def nearest_free(
     around: Surroundings, T: Array, psi: float, near: Array | None, respect: bool, branch: int = -1
 ) -> tuple[float, Solution] | None:
     """How far the nearest free arm angle is from a wanted one, rad, and its best posture; None where there is none."""
+    arm = around.packed
+    if not arm.closed:
+        # Intervals of a near limb leave out what is not shown to be free.
+        wanted = in_limits.solve(arm, T, psi, near, None if branch < 0 else branch, respect)
+        if wanted and around.is_clear(wanted.q):
+            return abs(math.remainder(wanted.arm_angle - psi, 2.0 * math.pi)), wanted
     free = chosen(around.all_free(T, respect), branch, None)
     found = _nearest_in(around, T, free, psi, near, respect)
     if found is None and not around.is_exact:

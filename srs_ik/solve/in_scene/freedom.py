@@ -47,7 +47,7 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
     has any posture, the answer without the scene.
     """
     alone = freedom.solve(around.packed, T, free, near, respect)
-    if not alone or around.hit_at(alone.q) is None:
+    if not alone or around.is_clear(alone.q):
         return alone
     turns = free.sampled(TURNS if free.cone == 0.0 else TURNS_OF_CONE)
     cost = goal_of(around.packed, near).cost
@@ -59,7 +59,7 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
 
     def at(turn: Array, known: Solution | None) -> Solution | None:
         """The best posture at a turn: the one without the scene, where that hits nothing."""
-        if known is None or around.hit_at(known.q) is None:
+        if known is None or around.is_clear(known.q):
             return known
         turned = _turned(T, turn)
         rows = around.all_free(turned, respect)
@@ -71,7 +71,7 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
     best, found, where = None, NO_POSTURE, 0
     at_turns = [alone_at(turn) for turn in turns]
     floors = np.array([floor for _, floor in at_turns])
-    hits = np.array([answer is None or around.hit_at(answer.q) is not None for answer, _ in at_turns])
+    hits = np.array([answer is None or not around.is_clear(answer.q) for answer, _ in at_turns])
     # Those that hit nothing come first: to know what is free at the other turns takes much longer.
     for k in np.lexsort((floors, hits)).tolist():
         if floors[k] >= found:

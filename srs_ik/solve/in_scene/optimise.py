@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srs_ik.errors import InvalidTask
-from srs_ik.kernels.layout import collision as at
-from srs_ik.solve import pose as pose_solver
+from srs_ik.solve import optimise as in_limits
 from srs_ik.solve.goals import Search
+from srs_ik.solve.in_scene.clearance import Clearance, widest
 from srs_ik.solve.in_scene.pose import free_intervals, solve
 from srs_ik.solve.in_scene.surroundings import narrowed
 from srs_ik.solve.objectives import CLEARANCE, Objective
@@ -31,7 +31,7 @@ def optimise(
     respect: bool,
     **parameters: Any,
 ) -> Optimum:
-    """See `Arm.optimise`: over what bodies leave, by samples and by closing in on the best; `clearance` certainly."""
+    """See `Arm.optimise`: the best within the limits where nothing hits it, else over what bodies leave, by samples."""
     if isinstance(objective, str) and objective == CLEARANCE:
         if parameters:
             raise InvalidTask(f"objective 'clearance' takes no parameter {next(iter(parameters))!r}")
@@ -43,6 +43,11 @@ def optimise(
         raise InvalidTask(
             f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor"
         )
+    alone = in_limits.optimise(around.packed, around.arm, T, objective, respect)
+    if alone and around.is_clear(alone.q):
+        optimum = _optimum(alone, objective, objective.values(around.arm, alone.q), free, around.packed)
+        if optimum.interval is not None:
+            return optimum
     sign = -1.0 if objective.maximise else 1.0
     value = objective.evaluator(around.arm)
     cost = OverTurns(lambda q: sign * value(q), around.packed.lower, around.packed.upper, respect)
@@ -76,32 +81,13 @@ TOO_BAD = 1e5
 """Cost of a posture whose first value is not near enough to the best one."""
 
 
-class Clearance:
-    """Least distance, m, of what an arm must not let meet, by the spheres: a function of joint angles."""
-
-    __name__ = CLEARANCE
-
-    def __init__(self, around: Surroundings) -> None:
-        self._around = around
-
-    def __call__(self, q: Array) -> float:
-        """Clearance at (7,) joint angles, rad."""
-        arm = self._around.arm
-        elbow, psi = arm.branch(q) >> 2, arm.arm_angle(q)  # type: ignore[attr-defined]
-        return float(self._around.clearance(arm.forward_kinematics(q).homogeneous, elbow, psi)[at.WIDE_CLEARANCE])
-
-
 def _widest(around: Surroundings, T: Array, free: Array, respect: bool) -> Optimum:
-    """The posture of largest clearance, within a micrometre, by the spheres."""
-    goal = Objective(Clearance(around), maximise=True)
+    """The posture of largest clearance, on an exact limb within a micrometre; see `Clearance`."""
+    clearance = Clearance(around)
+    goal = Objective(clearance, maximise=True)
     goal.unit = "m"
-    if not len(free):
-        solution = solve(around, T, None, None, -1, respect)
-        return _optimum(solution, goal, goal.values(around.arm, solution.q), free, around.packed)
-    wide = around.widest(T, free)
-    branch = int(wide[at.WIDE_BRANCH])
-    solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
-    return _optimum(solution, goal, [float(wide[at.WIDE_CLEARANCE])], free, around.packed)
+    solution = widest(clearance, T, free, respect) or solve(around, T, None, None, -1, respect)
+    return _optimum(solution, goal, goal.values(around.arm, solution.q), free, around.packed)
 
 
 def _optimum(solution: Solution, objective: Objective, values: Sequence[float], free: Array, arm: PackedArm) -> Optimum:

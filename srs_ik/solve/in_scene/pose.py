@@ -51,11 +51,7 @@ def solve(
         if found:
             return found
     else:
-        solution = _best_of_all(around, T, near, branch, respect) if psi is None and around.is_exact else None
-        if solution is not None:
-            return solution
-        free = chosen(around.all_free(T, respect), branch, psi)
-        solution = best(around, T, free, psi, near, respect) if len(free) else None
+        solution = _best_free(around, T, psi, near, branch, respect, around.is_exact)
         if solution is not None:
             return solution
     return _where_nothing_is_free(around, T, psi, near, branch, respect)
@@ -77,27 +73,64 @@ def _where_nothing_is_free(
     """The best posture that the real shapes leave where spheres leave none, or what is in the way."""
     found = chosen(around.feasible(T, respect), branch, psi)
     if not len(found):
-        return pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect)
+        # Where rounding leaves no interval, there may be a posture.
+        return _judged(around, pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect))
     if not around.is_exact:
-        solution = _best_of_all(around, T, near, branch, respect) if psi is None else None
-        if solution is not None:
-            return solution
-        free = around.by_shapes(T, respect, branch=branch, psi=psi)[0]
-        solution = best(around, T, free, psi, near, respect) if len(free) else None
+        solution = _best_free(around, T, psi, near, branch, respect, True)
         if solution is not None:
             return solution
     return _hitting(around, T, found, psi, respect)
 
 
+def _best_free(
+    around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool, by_shapes: bool
+) -> Solution | None:
+    """The best posture that spheres leave, or the real shapes; None where they leave none."""
+    if not around.packed.closed:
+        return _best_of_near(around, T, psi, near, branch, respect, by_shapes)
+    if by_shapes:
+        solution = _best_of_all(around, T, near, branch, respect) if psi is None else None
+        if solution is not None:
+            return solution
+        free = around.by_shapes(T, respect, branch=branch, psi=psi)[0]
+    else:
+        free = chosen(around.all_free(T, respect), branch, psi)
+    return best(around, T, free, psi, near, respect) if len(free) else None
+
+
+def _best_of_near(
+    around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool, by_shapes: bool
+) -> Solution | None:
+    """The same of a near limb: the best posture within the limits, of all or of each branch, where that is free."""
+    arm, goal = around.packed, goal_of(around.packed, near)
+    if psi is None:
+        wanted = pose_solver.solve(arm, T, None, near, None if branch < 0 else branch, respect)
+        if not wanted or around.is_clear(wanted.q, by_shapes):
+            return wanted or None
+    alone = [pose_solver.solve(arm, T, psi, near, k, respect) for k in (range(8) if branch < 0 else (branch,))]
+    alone = [answer for answer in alone if answer]
+    found = goal.best(answer for answer in alone if around.is_clear(answer.q, by_shapes))
+    # Of a branch whose best posture hits something, another one may be better than those of the other branches.
+    least = np.inf if found is None else goal.cost(found.q)
+    better = [answer.branch for answer in alone if goal.cost(answer.q) < least]
+    if psi is None and better:
+        own = by_shapes == around.is_exact
+        rows = around.all_free(T, respect) if own else around.by_shapes(T, respect, branch=branch)[0]
+        if not (len(rows) or by_shapes):
+            # Real shapes tell of all arm angles then.
+            return None
+        other = goal.over(T, rows[np.isin(rows[:, 0], better)], respect)
+        found = goal.best(each for each in (found, other) if each is not None)
+    return found
+
+
 def _best_of_all(around: Surroundings, T: Array, near: Array | None, branch: int, respect: bool) -> Solution | None:
     """The best posture of an exact limb within its limits, if real shapes leave it; then nothing has to be searched."""
-    arm = around.packed
-    wanted = pose_solver.solve(arm, T, None, near, None if branch < 0 else branch, respect) if arm.closed else None
+    wanted = pose_solver.solve(around.packed, T, None, near, None if branch < 0 else branch, respect)
     if not wanted:
         return None
-    psi = wanted.arm_angle
-    free = around.by_shapes(T, respect, branch=wanted.branch, psi=psi)[0]
-    found = best(around, T, free, psi, near, respect) if len(free) else None
+    free = around.by_shapes(T, respect, branch=wanted.branch, psi=wanted.arm_angle)[0]
+    found = best(around, T, free, wanted.arm_angle, near, respect) if len(free) else None
     # Next to a singularity an arm angle has many postures, and another one than this was looked at.
     same = found is not None and float(np.abs(found.q - wanted.q).max()) < _SAME
     return found if same else None
@@ -133,13 +166,16 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
             break
     wide = around.widest(T, among, _WIDE_ENOUGH) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
     branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
-    solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
-    hit = around.deepest_at(solution.q)
-    if hit is None:
-        # Too narrow a set of free angles to be found, and yet this posture is in it.
-        return solution
-    solution._row[ROW_STATUS] = Status.COLLISION
-    solution.collision = hit
+    # Too narrow a set of free angles may not have been found, and yet this posture be in it.
+    return _judged(around, pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect))
+
+
+def _judged(around: Surroundings, solution: Solution) -> Solution:
+    """A posture with what it hits by the real shapes, if it is one and hits anything."""
+    hit = around.deepest_at(solution.q) if solution else None
+    if hit is not None:
+        solution._row[ROW_STATUS] = Status.COLLISION
+        solution.collision = hit
     return solution
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from srs_ik.collision.figures import as_margin
 from srs_ik.collision.ranges import loosened, tightened
+from srs_ik.collision.reaches import TOUCH
 from srs_ik.collision.scene import Scene, check_scene
 from srs_ik.inputs.poses import invalid_pose
 from srs_ik.kernels.entries import collision as entries
@@ -77,15 +78,15 @@ class Surroundings:
 
     def in_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals in which bodies that ranges of joints watch do not meet; `found` are those in the limits."""
-        return self._within((self.tight, self.jammed), T, found, respect)
+        return self.within((self.tight, self.jammed), T, found, respect)
 
     def not_meeting(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) the same where the margin is too much to ask of them, and they need only not meet."""
-        return self._within(self._cut_limits(tightened, 0.0), T, found, respect)
+        return self.within(self._cut_limits(tightened, 0.0), T, found, respect)
 
     def not_out_of_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals outside of which some of these bodies are nearer than the margin for certain."""
-        return self._within(self._cut_limits(loosened, self.margin), T, found, respect)
+        return self.within(self._cut_limits(loosened, self.margin), T, found, respect)
 
     def keeps_range(self, q: Array) -> bool:
         """Whether a posture is in the ranges of joints that keep apart the bodies which they watch."""
@@ -97,7 +98,8 @@ class Surroundings:
     def _cut_limits(self, cut: Cut, margin: float) -> Limits:
         return cut_limits(self.arm, self.packed, self.tables.ranges, cut, margin)
 
-    def _within(self, cut: Limits, T: Array, found: Array, respect: bool) -> Array:
+    def within(self, cut: Limits, T: Array, found: Array, respect: bool) -> Array:
+        """(n, 3) intervals of a pose within limits; `found` are those in the limits of the arm."""
         both, jammed = cut
         limits = both[bool(respect)]
         if limits is None:
@@ -280,9 +282,18 @@ class Surroundings:
         hit = self.collision_of(self.along(q[None], q[None], np.array([self.margin]))[0])
         return hit if hit is not None else self._hit_by_range(q)
 
-    def deepest_at(self, q: Array) -> Collision | None:
-        """Which bodies are too close at a posture, the closest of them, by their real shapes; None for none."""
-        hit = self._nearest(q, self.real_world().watched(self.margin))
+    def is_clear(self, q: Array, by_shapes: bool | None = None) -> bool:
+        """Whether a posture certainly keeps the margin, by spheres or, where real shapes count, by these."""
+        if self.hit_at(q) is None:
+            return True
+        return (self.is_exact if by_shapes is None else by_shapes) and self.deepest_at(q, TOUCH) is None
+
+    def deepest_at(self, q: Array, more: float = 0.0) -> Collision | None:
+        """Which bodies are too close at a posture, the closest of them, by their real shapes; None for none.
+
+        Those also count that come no closer than the margin, but so much more, m.
+        """
+        hit = self._nearest(q, self.real_world().watched(self.margin + more), more)
         hits = [] if hit is None else [hit]
         formless = self.tables.formless
         if len(formless):
@@ -319,9 +330,9 @@ class Surroundings:
         ]
         return self._nearest(q, doubtful) if doubtful else None
 
-    def _nearest(self, q: Array, pairs: Sequence[tuple[int, int]]) -> Collision | None:
+    def _nearest(self, q: Array, pairs: Sequence[tuple[int, int]], more: float = 0.0) -> Collision | None:
         """Which of some pairs of bodies are too close at a posture, the closest of them by their real shapes."""
-        near = self.real_world().nearest(q, self.margin, pairs)
+        near = self.real_world().nearest(q, self.margin + more, pairs)
         if near is None:
             return None
         first, second, distance = near
