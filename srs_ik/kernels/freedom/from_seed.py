@@ -32,7 +32,7 @@ from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.freedom import Found, Freedom
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
-from srs_ik.kernels.limb.in_line import may_line_up
+from srs_ik.kernels.limb.in_line import closest, comes_in_line
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.pose.solve import best_posture
@@ -47,13 +47,10 @@ STIFF = (1e2, 1e4, 1e8)
 STEPS, SHORT = 4, 1e-3
 """Steps at most with each, and how short one is, rad, that is the last of them."""
 
-ALMOST_SINGULAR = 1e-3
-"""Where outer axes come so close to one line, by the cosines of their angles, or elbows are bent by less, rad, a grid
-of arm angles may pass over what is nearest."""
-
-SLACK = 2.0
-"""An elbow of a limb with rounded figures passes its limit to and fro where its nearest exact limb's is this close to
-it, by what the two differ in."""
+TIGHT = 5e-3
+"""Where two of these are so at once, rad, searches may pass over what is nearest: outer axes of the shoulder this close
+to one line, or of the wrist, and an elbow bent by less. Or with an elbow this close to a limit, on exact limbs and
+those with rounded figures, whose elbow passes it to and fro."""
 
 ROUNDS, GAIN, AWAY = 4, 1e-6, 1e-3
 """Times that the roll follows joint 7, and the least that this is worth, squared rad. A joint 7 that the pose keeps
@@ -119,16 +116,28 @@ def drawn(P, pose, freedom, liking, desk):
 
 
 @kernel
+def lines_up(P, k, motion, width):
+    """Whether the outer axes of a spherical joint come this close to one line at some arm angle."""
+    one = comes_in_line(P, k, 0) and closest(P, k, motion, 0)[1] < width
+    return one or (comes_in_line(P, k, 1) and closest(P, k, motion, 1)[1] < width)
+
+
+@kernel
 def hides_postures(P, pose):
-    """Whether searches from a grid of arm angles may pass over postures of a pose."""
+    """Whether searches from a grid of arm angles, and from those where a joint is singular, may pass over postures.
+
+    On exact limbs it takes little to be sure, where nothing is singular.
+    """
     place_ = place(P, pose[0], pose[1])
-    one, other = elbow_side(P, place_, 0)[0], elbow_side(P, place_, 1)[0]
-    if abs(math.sin(one - P[STRAIGHT])) < ALMOST_SINGULAR or may_line_up(P, place_, ALMOST_SINGULAR):
-        return True
-    rounded = P[IS_CLOSED] != 1.0 and P[MISS] < HARDLY * P[FAR]
-    width = SLACK * between_limbs(P)
+    width = TIGHT + between_limbs(P)
+    one, shoulder, wrist, _ = elbow_side(P, place_, 0)
+    other, other_shoulder, other_wrist, _ = elbow_side(P, place_, 1)
+    singular = 1 if abs(math.sin(one - P[STRAIGHT])) < width else 0
+    singular += 1 if lines_up(P, SHOULDER, shoulder, width) or lines_up(P, SHOULDER, other_shoulder, width) else 0
+    singular += 1 if lines_up(P, WRIST, wrist, width) or lines_up(P, WRIST, other_wrist, width) else 0
     off, other_off = beyond(P, 3, turn_to_middle(P, 3, one)), beyond(P, 3, turn_to_middle(P, 3, other))
-    return rounded and min(abs(off), abs(other_off)) < width
+    on_limit = P[MISS] < HARDLY * P[FAR] and min(abs(off), abs(other_off)) < width
+    return singular > 1 or on_limit or (singular == 0 and P[IS_CLOSED] == 1.0)
 
 
 @kernel
@@ -170,6 +179,6 @@ def from_seed(family, P, pose, freedom, goal, liking, desk):
     q, cost, error, _ = searched(P, drawn(P, pose, freedom, liking, desk), pose, freedom, liking, desk)
     if error < SOLVED and cost < found.cost:
         found = Found(q, cost, True)
-    if freedom.cone <= THIN and is_loose(P, freedom.axis) and (P[IS_CLOSED] == 1.0 or hides_postures(P, pose)):
+    if freedom.cone <= THIN and is_loose(P, freedom.axis) and hides_postures(P, pose):
         found = with_roll_held(family, P, pose, freedom, goal, liking, found, desk)
     return found, False

@@ -17,8 +17,8 @@ from srs_ik.kernels.algebra.lanes import LANES, as_bits, gather, scatter
 from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import apply, cross, load3, load9, norm, rotation, sub, times
 from srs_ik.kernels.chain.starts import bent_place
-from srs_ik.kernels.freedom.both_singular import add_both_singular
 from srs_ik.kernels.freedom.halves import STEEP, dips, write_costs, write_halves
+from srs_ik.kernels.freedom.singular import add_both_singular, add_singular
 from srs_ik.kernels.freedom.turns import strip, strip_count
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import (
@@ -263,6 +263,8 @@ def starts_of_roll(P, pose, freedom, sought, desk):
             if found:
                 n = add_strip(P, pose, freedom, (elbow, ends), sought, desk, n)
     n = add_both_singular(P, pose, freedom.axis, sought, desk.starts, n)
+    if sought.loose and sought.seeded:
+        n = add_singular(P, pose, sought, desk.starts, n)
     for i in range(n):
         desk.starts[i, START_LEANS] = 0.0
     return n

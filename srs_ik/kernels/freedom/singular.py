@@ -1,23 +1,33 @@
-"""Starts where shoulder and wrist are singular at once, at a roll.
+"""Starts where shoulder or wrist is singular.
 
-There joints 1 and 3 share a sum, and 5 and 7 another one: all splits of both are a surface of postures that meets those
-around it along a curve only. No grid over rolls and arm angles comes near the rest of it. At which rolls the shoulder
-may be singular, the wrist's height along axis 1 tells; the best split is known in closed form.
+Where joint 7 makes the roll, an arm angle at which one of them is singular, or almost, leaves the split of a sum or
+joint 5 open. A grid of arm angles passes over that.
+
+At a roll, both may be singular at once: joints 1 and 3 share a sum, and 5 and 7 another one. All splits of both are a
+surface of postures that meets those around it along a curve only. No grid over rolls and arm angles comes near the rest
+of it. At which rolls the shoulder may be singular, the wrist's height along axis 1 tells; the best split is known in
+closed form.
 """
 
 from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, dot, load3, rotate, rotation, swing, times
+from srs_ik.kernels.freedom.halves import STEEP
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import MOST_STARTS, MOST_TAKEN, START_COST
 from srs_ik.kernels.layout.limb import A1, A3, AXES, FAR, FOREARM, MISS, NEAR, SHOULDER, UPPER_ARM, WRIST
-from srs_ik.kernels.limb.branches import anchor
+from srs_ik.kernels.limb.branches import NO_BRANCH, anchor
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.in_line import ROUNDED, closest, comes_in_line
-from srs_ik.kernels.limb.spherical import angles
+from srs_ik.kernels.limb.limits import violation
+from srs_ik.kernels.limb.spherical import angles, middle_angle
 from srs_ik.kernels.limb.triangle import elbow_side, place, shoulder_to_wrist
+
+WIDE = 0.1
+"""Outer axes that come this close to one line, rad, may do so between two arm angles of a grid."""
 
 STILL = 1e-9
 """A roll that changes the height by less, by the reach, leaves the wrist in its place."""
@@ -125,4 +135,42 @@ def add_both_singular(P, pose, axis, sought, starts, n):
                 if any_:
                     n = add_at(P, rolled(pose, axis, one), given, sought, starts, n)
                     n = add_at(P, rolled(pose, axis, other), given, sought, starts, n)
+    return n
+
+
+@kernel
+def write_singular(P, side, turn, branch, sought, start):
+    """Write the posture of a branch at an arm angle, joint 7 and splits as they are wanted, and what it costs."""
+    q4, shoulder, wrist, _ = side
+    wish = sought.wish
+    v, y = at_angle(shoulder, turn)
+    c, s, reached = middle_angle(P, SHOULDER, v)
+    if s < NEARLY:
+        c, s = math.copysign(1.0, c), 0.0
+    a = angles(P, SHOULDER, v, y, c, s, branch >> 1, anchor(0, True, wish, True))
+    v, y = at_angle(wrist, turn)
+    c, s, ends = middle_angle(P, WRIST, v)
+    b = angles(P, WRIST, v, y, c, s, branch & 1, anchor(4, True, wish, True))
+    fifth = wish[4] if s < NEARLY else b[0]
+    q = turned(P, (a[0], a[1], a[2], q4, fifth, b[1], wish[6]), True, wish, True)
+    value = 0.0
+    for j in range(7):
+        start[j] = q[j]
+        value += (q[j] - wish[j]) ** 2 + STEEP * violation(P, j, q[j])
+    start[START_COST] = value if reached and ends else NO_BRANCH
+
+
+@kernel
+def add_singular(P, pose, sought, starts, n):
+    """Write starts at arm angles where shoulder or wrist is singular, or almost, and joint 7 makes the roll."""
+    place_ = place(P, pose[0], pose[1])
+    for elbow in range(2):
+        side = elbow_side(P, place_, elbow)
+        for i in range(4):
+            k, motion = (SHOULDER, side[1]) if i < 2 else (WRIST, side[2])
+            psi, off, _ = closest(P, k, motion, i % 2)
+            if off < WIDE and comes_in_line(P, k, i % 2) and n < MOST_STARTS - MOST_TAKEN - 4:
+                for branch in range(4):
+                    write_singular(P, side, (math.cos(psi), math.sin(psi)), branch, sought, row(starts, n + branch))
+                n += 4
     return n
