@@ -15,13 +15,12 @@ from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
 from srs_ik.kernels.chain.newton import elbow_across
 from srs_ik.kernels.curves.ends import ON_LIMIT, infeasibility, inside_of_blur, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import BLURRED, arc_between, meet, null_vector
-from srs_ik.kernels.curves.in_step import ARC, between_eight, load_end, load_sample, share_beside
+from srs_ik.kernels.curves.in_step import ARC, TURNING_WRIST, between_eight, load_end, load_sample, share_beside
 from srs_ik.kernels.curves.told import (
     TOLD_MIDDLES,
     TOLD_PSI,
     TOLD_RATE,
     TOLD_SINES,
-    TURNING_WRIST,
     angle_at,
     arm_angles,
     rate_at,

@@ -29,7 +29,7 @@ from srs_ik.kernels.curves.changes import (
 )
 from srs_ik.kernels.curves.ends import inside_of_blur, on_curve, sample_before
 from srs_ik.kernels.curves.follow import BLURRED
-from srs_ik.kernels.curves.in_step import between_eight, load_sample, share_beside
+from srs_ik.kernels.curves.in_step import TURNING_WRIST, between_eight, load_sample, share_beside
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
@@ -37,7 +37,6 @@ from srs_ik.kernels.curves.told import (
     TOLD_BRANCH,
     TOLD_PSI,
     TOLD_RATE,
-    TURNING_WRIST,
     UNTOLD,
     angle_at,
     arm_angles,
