@@ -1,7 +1,8 @@
-"""Of postures at one arm angle whose largest violation is the same, the one that comes closest on the limits.
+"""Of postures whose largest violation is the same, the one that comes closest on the limits.
 
 They are common: that of joint 2 is the same for both shoulders, whose joints 1 and 3 stand half a turn apart, and
-a joint that stands opposite to the middle of its range may be put on either limit.
+a joint that stands opposite to the middle of its range may be put on either limit. That of joint 4 is the same at all
+arm angles.
 """
 
 import math
@@ -15,6 +16,9 @@ from srs_ik.kernels.layout.limb import IS_NEAR, MIDDLE
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, turned
 from srs_ik.kernels.limb.limits import TURN, violation
+
+AROUND = 12
+"""Arm angles all around at which postures are looked at whose joint 4 is as far out at all of them."""
 
 CLOSER = 1e-9
 """Postures that are closer by less of the measure of `chain.closest`, which has no unit, are equal."""
@@ -51,19 +55,21 @@ def may_have_equals(P, target, branch, lowest, goal):
 
 
 @kernel
-def closest_of_equals(P, target, found, goal, J):
+def closest_of_equals(P, target, found, goal, anywhere, J):
     """The least violating posture of an exact limb, or one as good at its arm angle that comes closer: q, branch, cost.
 
-    Closer once it is put on the limits.
+    Closer once it is put on the limits. One at others, if the arm angle may be any (`anywhere`) and joint 4 decides.
     """
     place_, least = target.place, math.inf
     most = found[2] + GAIN_OUTSIDE
     psi = arm_angle(P, found[0], place_[0], place_[1])
-    for i in range(9):
+    around = AROUND if anywhere and violation(P, 3, found[0][3]) + GAIN_OUTSIDE > found[2] - OUTSIDE else 1
+    for i in range(1 + 8 * around):
         q, branch, value = found
         if i > 0:
-            branch = i - 1
-            q, _, value = best_branch(P, place_, psi, branch, False, NO_SEED, True)
+            branch = (i - 1) % 8
+            at = psi + (i - 1) // 8 * (TURN / AROUND)
+            q, _, value = best_branch(P, place_, at, branch, False, NO_SEED, True)
             q = turned(P, q, goal.seeded, goal.seed, True)
         if value <= most:
             q, off = closest_turns(P, q, target, most - OUTSIDE, J)
