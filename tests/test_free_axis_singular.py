@@ -157,12 +157,22 @@ def test_a_sum_of_three_joints_is_shared_evenly_though_a_search_begins_with_one_
             ],
             [-2.51579188, 2.18832845, 2.53781107, -2.355, -0.56431947, -0.49704161, 1.50035527],
         ),
+        (
+            "iiwa14",
+            [1.73055981, 0.0, -0.51975438, -0.9080265, 0.6645867, -1.85309635, 0.0],
+            [0.28354163, -1.40881766, -1.96677256, -1.98129389, -0.95638547, -1.8879408, 2.8289948],
+        ),
+        (
+            "gen3",
+            [3.02753938, -1.15436472, 2.79473513, -1.49456975, 3.14118352, 0.00138983, 0.0],
+            [2.78837237, -0.97323513, 0.61179151, -1.75952426, 3.13942155, 1.01131757, 3.13631162],
+        ),
     ],
 )
 def test_with_the_roll_of_joint_7_free_the_answer_is_no_farther_than_a_posture_whose_joint_7_is_the_seeds(
     name, q, seed
 ):
-    """Next to singular joints, and with the elbow of rounded figures on its limit."""
+    """Next to singular joints, with seeds far away, too, and with the elbow of rounded figures on its limit."""
     arm = arms.load(name)
     own = arms.forward(name)(np.zeros(7)).rotation.T @ arm.jacobian(np.zeros(7))[3:, 6]
     pose = arms.forward(name)(np.array(q)).homogeneous

@@ -8,14 +8,23 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, between
+from srs_ik.kernels.algebra.joint_vectors import along7, between, with_joint
 from srs_ik.kernels.algebra.lanes import eight_of, gather, one_of, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.freedom.constraints import THIN, equations
 from srs_ik.kernels.freedom.elimination import GIVES, RHS, ROOM_ROW, SOFT
-from srs_ik.kernels.freedom.settle import HELD_BACK, NO_FORCE, bounded_step, distance, led_to, onto_pose, settle
+from srs_ik.kernels.freedom.settle import (
+    HELD_BACK,
+    NO_FORCE,
+    at_limits,
+    bounded_step,
+    distance,
+    led_to,
+    onto_pose,
+    settle,
+)
 from srs_ik.kernels.freedom.starts import APART, NO_NEARER, NONE_LEFT, change_places, line_up, take_next
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
@@ -40,6 +49,9 @@ OUTSIDE, WIDELY = 3.0, 1.0
 """Searches that come last. Postures that are pressed between limits may have starts outside these alone: a radian
 outside costs no more than it may take to come inside, and what lies within so much, rad, of starts that were taken is
 left out."""
+
+OFF_LIMIT = 1.0
+"""So far from its limit, rad, a joint of the best posture starts again: another joint may be the one to be held."""
 
 
 @kernel
@@ -176,4 +188,22 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
         count = write_late(desk.starts, count, liking, (math.sqrt(found.cost) + shorter) ** 2)
         last = START_LATE, WIDELY, shorter, shorter
         found, _, _ = search(P, pose, freedom, liking, (count, late, late, taken), last, found, desk)
+    return found
+
+
+@kernel
+def off_limits(P, pose, freedom, liking, found, desk):
+    """The nearest posture that searches lead to from the best one, each with a joint moved off its limit, or that one.
+
+    Which limits hold a posture is a choice. Another one may be nearer, behind a rise that no descent passes.
+    """
+    best, held = found.q, at_limits(found.q, liking)
+    for j in range(7):
+        if (held >> j) & 1 == 1:
+            off = OFF_LIMIT if best[j] - liking.lower[j] < liking.upper[j] - best[j] else -OFF_LIMIT
+            rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
+            start = with_joint(best, j, best[j] + off)
+            there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
+            if error < SOLVED and cost < found.cost:
+                found = Found(there, cost, True)
     return found
