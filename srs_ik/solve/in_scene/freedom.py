@@ -59,20 +59,20 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
 
     def at(turn: Array, known: Solution | None) -> Solution | None:
         """The best posture at a turn: the one without the scene, where that hits nothing."""
-        if known is None or around.is_clear(known.q):
+        if known is None or around.hit_at(known.q) is None:
             return known
         turned = _turned(T, turn)
-        rows = around.all_free(turned, respect)
-        if not len(rows) and not around.is_exact:
+        answer = in_scene.best_free(around, turned, None, near, -1, respect, around.is_exact)
+        if answer is None and not around.is_exact:
             # Spheres leave nothing: what do the real shapes?
-            rows, _ = around.by_shapes(turned, respect)
-        return in_scene.best(around, turned, rows, None, near, respect) if len(rows) else None
+            answer = in_scene.best_free(around, turned, None, near, -1, respect, True)
+        return answer
 
     best, found, where = None, NO_POSTURE, 0
     at_turns = [alone_at(turn) for turn in turns]
     floors = np.array([floor for _, floor in at_turns])
-    hits = np.array([answer is None or not around.is_clear(answer.q) for answer, _ in at_turns])
-    # Those that hit nothing come first: to know what is free at the other turns takes much longer.
+    hits = np.array([answer is None or around.hit_at(answer.q) is not None for answer, _ in at_turns])
+    # Those that hit nothing by spheres come first: to know what is free at the other turns takes much longer.
     for k in np.lexsort((floors, hits)).tolist():
         if floors[k] >= found:
             continue

@@ -46,6 +46,9 @@ def optimise(
     alone = in_limits.optimise(around.packed, around.arm, T, objective, respect)
     if alone and around.is_clear(alone.q):
         optimum = _optimum(alone, objective, objective.values(around.arm, alone.q), free, around.packed)
+        if optimum.interval is None and not around.packed.closed:
+            # Intervals of a near limb leave out what is not shown to be free.
+            optimum.interval = Interval(alone.branch, alone.arm_angle, alone.arm_angle)
         if optimum.interval is not None:
             return optimum
     sign = -1.0 if objective.maximise else 1.0

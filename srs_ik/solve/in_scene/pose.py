@@ -51,7 +51,7 @@ def solve(
         if found:
             return found
     else:
-        solution = _best_free(around, T, psi, near, branch, respect, around.is_exact)
+        solution = best_free(around, T, psi, near, branch, respect, around.is_exact)
         if solution is not None:
             return solution
     return _where_nothing_is_free(around, T, psi, near, branch, respect)
@@ -76,13 +76,13 @@ def _where_nothing_is_free(
         # Where rounding leaves no interval, there may be a posture.
         return _judged(around, pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect))
     if not around.is_exact:
-        solution = _best_free(around, T, psi, near, branch, respect, True)
+        solution = best_free(around, T, psi, near, branch, respect, True)
         if solution is not None:
             return solution
     return _hitting(around, T, found, psi, respect)
 
 
-def _best_free(
+def best_free(
     around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool, by_shapes: bool
 ) -> Solution | None:
     """The best posture that spheres leave, or the real shapes; None where they leave none."""
