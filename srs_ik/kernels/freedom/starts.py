@@ -17,6 +17,7 @@ from srs_ik.kernels.algebra.lanes import LANES, as_bits, gather, scatter
 from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import apply, cross, load3, load9, norm, rotation, sub, times
 from srs_ik.kernels.chain.starts import bent_place
+from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.freedom.halves import STEEP, dips, write_costs, write_halves
 from srs_ik.kernels.freedom.singular import add_both_singular, add_singular
 from srs_ik.kernels.freedom.turns import strip, strip_count
@@ -263,7 +264,7 @@ def starts_of_roll(P, pose, freedom, sought, desk):
             if found:
                 n = add_strip(P, pose, freedom, (elbow, ends), sought, desk, n)
     n = add_both_singular(P, pose, freedom.axis, sought, desk.starts, n)
-    if sought.loose and sought.seeded:
+    if sought.loose and sought.seeded and freedom.cone <= THIN:
         n = add_singular(P, pose, sought, desk.starts, n)
     for i in range(n):
         desk.starts[i, START_LEANS] = 0.0
