@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.solve.packed import PackedArm
 
-_MOST_MARGINS = 16
-"""For so many margins at most, limits are kept."""
+_MOST_MARGINS = 256
+"""For so many margins at most, limits are kept: a clearance asks for some of up to 150 steps that a range tells of."""
 
 
 class TightLimits:
