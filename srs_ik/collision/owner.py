@@ -78,7 +78,7 @@ class BodyOwner(ChainKinematics):
             folders: folders to search for meshes.
             spheres: file with spheres of the links in place of their shapes: of cuRobo (YAML) or foam (JSON).
             srdf: path or text of an SRDF file; its disabled pairs are not watched, and all others are. By default the
-                one with which the arm was loaded, if that disables any.
+                one that counts already: that of `load`, if it disables any, or of an earlier call.
             keep: pairs of names that are watched in any case.
             drop: pairs of names that are not watched, on your word.
         """
