@@ -19,11 +19,9 @@ ARMS = ("iiwa14", "gen3", "human_arm")
 
 def find() -> dict[str, np.ndarray]:
     """All that the arms ask, by its key."""
-    found = {}
     for name in ARMS:
         srs_ik.load(name).tables(srs_ik.Scene())
-    found.update(store._memory)
-    return found
+    return dict(store._memory)
 
 
 def main() -> None:

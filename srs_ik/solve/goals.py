@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _WIDEST = 0.1
 """Arm angles of the first look at an interval are this far apart at most, rad."""
 
-_INSIDE = 1e-9
+INSIDE = 1e-9
 """An arm angle this far inside the ends of its interval, rad, is safe from their rounding."""
 
 _WORST = 1e6
@@ -46,7 +46,7 @@ class Search:
         best: Solution | None = None
         lowest = _WORST
         for branch, lower, upper in free:
-            room = min(_INSIDE, 0.25 * (upper - lower))
+            room = min(INSIDE, 0.25 * (upper - lower))
             count = 2 + int((upper - lower) / _WIDEST)
             angles = np.linspace(lower + room, upper - room, count)
             answers: list[Solution | None] = []

@@ -9,7 +9,7 @@ import numpy as np
 from srs_ik.collision.ranges import tightened
 from srs_ik.kernels.layout import collision as at
 from srs_ik.solve import pose as pose_solver
-from srs_ik.solve.goals import Search
+from srs_ik.solve.goals import INSIDE, Search
 from srs_ik.solve.in_scene.limits import cut_limits
 from srs_ik.solve.in_scene.spans import turned
 from srs_ik.solve.objectives import CLEARANCE
@@ -18,9 +18,6 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
-
-_INSIDE = 1e-9
-"""An arm angle this far inside the ends of its interval, rad, is safe from their rounding."""
 
 
 class Clearance:
@@ -56,7 +53,7 @@ class Clearance:
         """(n, 3) where, of free intervals (m, 3) of a pose, ranges tell that bodies are so far apart, m, at least."""
         around, below = self.around, float(np.nextafter(distance, -np.inf))
         limits = cut_limits(around.arm, around.packed, self.ranges, tightened, below)
-        inside = [(k, a + _INSIDE, b - _INSIDE) for k, a, b in around.within(limits, T, free, respect).tolist()]
+        inside = [(k, a + INSIDE, b - INSIDE) for k, a, b in around.within(limits, T, free, respect).tolist()]
         rows = []
         for branch, lower, upper in free.tolist():
             own = [(a, b) for k, a, b in inside if k == branch and a < b]

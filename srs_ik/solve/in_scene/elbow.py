@@ -14,6 +14,7 @@ from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve import elbow as in_limits
 from srs_ik.solve.elbow import wanted_angles
+from srs_ik.solve.goals import INSIDE
 from srs_ik.solve.in_scene.pose import best, solve
 from srs_ik.solve.in_scene.surroundings import chosen, narrowed
 from srs_ik.solve.solution import BatchSolution, Collision, Solution
@@ -22,9 +23,6 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
-
-_INSIDE = 1e-9
-"""An arm angle this far inside the ends of its interval, rad, is safe from their rounding."""
 
 
 def nearest_free(
@@ -60,7 +58,7 @@ def _beside(psi: float, lower: float, upper: float) -> tuple[float, float]:
     """How far the nearest angle of an interval is from another angle, rad, and that angle."""
     if (psi - lower) % (2.0 * math.pi) <= upper - lower:
         return 0.0, psi
-    room = min(_INSIDE, 0.25 * (upper - lower))
+    room = min(INSIDE, 0.25 * (upper - lower))
     ends = (lower + room, upper - room)
     return min((abs(math.remainder(end - psi, 2.0 * math.pi)), end) for end in ends)
 
