@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from srs_ik.preview import Preview
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.free_splits import FreeSplit
+    from srs_ik.solve.in_scene.edges import PathCollision
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import OBJECTIVES, Objective
     from srs_ik.solve.optimise import Optimum
@@ -96,6 +97,7 @@ _MODULES = {
     ),
     "solve.derivatives": ("SolutionDerivatives",),
     "solve.free_splits": ("FreeSplit",),
+    "solve.in_scene.edges": ("PathCollision",),
     "solve.intervals": ("IntervalsBatch",),
     "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
@@ -154,6 +156,7 @@ __all__ = [
     "Optimum",
     "Pair",
     "PathBreak",
+    "PathCollision",
     "PathSolution",
     "Placement",
     "Polytope",

@@ -25,7 +25,7 @@ from srs_ik.solve import kinematics
 from srs_ik.solve.in_limits import InLimits
 from srs_ik.solve.kinematics import Centres
 from srs_ik.solve.packed import pack_arm
-from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
+from srs_ik.solve.solution import BatchSolution, Collision, Interval, Solution, Solutions
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from srs_ik.robot.description.model import Drawing
     from srs_ik.solve.derivatives import SolutionDerivatives
     from srs_ik.solve.free_splits import FreeSplit
+    from srs_ik.solve.in_scene.edges import PathCollision
     from srs_ik.solve.in_scene.questions import InScene
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import Objective
@@ -492,6 +493,48 @@ class Arm(BodyOwner):
 
     # Tasks ------------------------------------------------------------------------------------------------------
 
+    def collision(self, q: ArrayLike, scene: Scene, margin: float = 0.0) -> Collision | None:
+        """Which two bodies meet, or come closer than a margin, at given joint angles, by their real shapes.
+
+        Pairs that are not watched (see `pairs`) do not count, but for those that never meet inside the joint limits:
+        outside of these, they may.
+
+        Args:
+            q: (7,) joint angles, rad, whether they keep the joint limits or not.
+            scene: what stands around the arm; ``srs_ik.Scene()`` is the arm alone.
+            margin: what is to be left between two bodies, m; added to the scene's own.
+
+        Returns:
+            The two that are closest, and how much is missing to the margin; None where nothing is.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
+        """
+        return self._around(scene, margin).collision(q)
+
+    def path_collisions(self, q: ArrayLike, scene: Scene, margin: float = 0.0) -> list[PathCollision]:
+        """What is in the way of postures, and of the straight lines of joint angles from each to the next.
+
+        A line that is not told of is free all along, proved on spheres or real shapes; one that is told of may yet be
+        free where bodies come within the last thousandth of it as near as the margin.
+
+        Args:
+            q: (N, 7) joint angles, rad, as they are followed: no joint is turned by whole turns.
+            scene: as for `collision`.
+            margin: as for `collision`.
+
+        Returns:
+            The first thing found on each line, in order; empty where all is free.
+
+        Raises:
+            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
+        """
+        return self._around(scene, margin).path_collisions(q)
+
     def posture(self, task: Task, side: Side = "left", tie: Tie = "lower", threads: int | None = None) -> Posture:
         """Where shoulder, elbow, wrist and hand go for a task: the paper's posture, in closed form, without limits.
 
@@ -733,6 +776,9 @@ class Arm(BodyOwner):
             if type(margin) is not float or margin != 0.0:
                 refuse_margin(margin)
             return self._in_limits
+        return self._around(scene, margin)
+
+    def _around(self, scene: Scene, margin: float) -> InScene:
         from srs_ik.solve.in_scene.questions import in_scene
 
         return in_scene(self, self.packed, scene, margin)

@@ -25,6 +25,10 @@ EXAMPLES: dict[str, Sequence[str]] = {
         "srs-ik follow iiwa14 poses.csv --dt 0.002 --out joints.csv",
         "srs-ik follow iiwa14 poses.csv --dt 0.01 --smoothing 0.05 --elbow limit_margin --json",
     ),
+    "collisions": (
+        f"srs-ik collisions iiwa14 --q {_Q}",
+        "srs-ik collisions iiwa14 --file joints.csv --path --scene scene.json --margin 0.01",
+    ),
     "ellipsoids": (f"srs-ik ellipsoids iiwa14 --q {_Q} --limits --along 0 0 1",),
     "plot": (
         f"srs-ik plot intervals iiwa14 {_POSE} --output intervals.png",

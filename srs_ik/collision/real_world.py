@@ -181,12 +181,14 @@ class RealWorld:
             found[k] = self._distance(at, *pairs[k])
         return found
 
-    def along(self, start: Array, end: Array, margin: float) -> tuple[float, str, str, float]:
-        """What comes within a margin on a straight line of joint angles: where (0 to 1), which two, how near, m.
+    def along(
+        self, start: Array, end: Array, margin: float, pairs: Sequence[tuple[int, int]]
+    ) -> tuple[float, str, str, float]:
+        """What of some pairs comes within a margin on a straight line of joints: where (0 to 1), which, how near, m.
 
         No names where the line is certainly clear. What cannot be told on the shortest stretch counts.
         """
-        turns, pairs = np.abs(end - start), self.watched(margin)
+        turns = np.abs(end - start)
         waiting = [(0.0, 1.0)]
         while waiting:
             lower, upper = waiting.pop()

@@ -51,7 +51,7 @@ def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution
         way = find(asked)
         rows = rows_of(asked, way)
         rows[:, :7] = unwound(asked, rows)
-        edges = Edges(around, rows[:, :7], _lines(asked, rows))
+        edges = Edges(around, rows[:, :7], _lines(asked, rows), around.is_exact)
         found = len(edges.hits), way, rows, edges, asked
         jumps = int((~way.reached).sum()) + _jumps(asked, rows)
         if best is None or (jumps, found[0]) < best[0]:
@@ -89,7 +89,7 @@ class _Room:
         """Ask for more room at both ends of lines that something is in the way of; whether any is to be had."""
         wanted = self._asked.copy()
         for hit in edges.hits:
-            for i in (hit.line, hit.line + 1):
+            for i in (hit.sample, hit.sample + 1):
                 wanted[i] = max(wanted[i], self._asked[i] + AMPLE * hit.collision.depth + ROOM)
         changed = False
         for i in np.flatnonzero((wanted > self._asked) & ~self._problem.has_known).tolist():
@@ -124,13 +124,13 @@ def _blocked(edges: Edges, steps: Array, joint_names: Sequence[str]) -> list[Pat
     breaks = []
     for hit in edges.hits:
         first, second, depth = hit.collision
-        joint = int(np.abs(steps[hit.line]).argmax())
+        joint = int(np.abs(steps[hit.sample]).argmax())
         message = (
-            f"Between poses {hit.line} and {hit.line + 1}, {first} and {second} come closer than the margin "
+            f"Between poses {hit.sample} and {hit.sample + 1}, {first} and {second} come closer than the margin "
             f"by {1e3 * depth:.3g} mm, and no path was found that does not."
         )
-        jump = float(abs(steps[hit.line, joint]))
-        breaks.append(PathBreak(hit.line + 1, jump, joint_names[joint], message, bodies=(first, second)))
+        jump = float(abs(steps[hit.sample, joint]))
+        breaks.append(PathBreak(hit.sample + 1, jump, joint_names[joint], message, bodies=(first, second)))
     return breaks
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from srs_ik.collision.scene import Scene
-from srs_ik.inputs.angles import as_arm_angle, as_branch, as_seed
+from srs_ik.inputs.angles import as_arm_angle, as_bounded_joint_vector, as_branch, as_joint_vectors, as_seed
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.poses import PoseLike, as_matrix
 from srs_ik.solve.in_scene import pose as pose_solver
@@ -17,11 +17,12 @@ from srs_ik.solve.solution import Interval
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.inputs.task import Task
+    from srs_ik.solve.in_scene.edges import PathCollision
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.optimise import Optimum
     from srs_ik.solve.packed import PackedArm
     from srs_ik.solve.path.solution import PathSolution
-    from srs_ik.solve.solution import BatchSolution, Solution, Solutions
+    from srs_ik.solve.solution import BatchSolution, Collision, Solution, Solutions
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 
@@ -143,3 +144,15 @@ class InScene:
         from srs_ik.solve.in_scene.optimise import optimise
 
         return optimise(self.around, as_matrix(pose), objective, respect, **parameters)
+
+    def collision(self, q: ArrayLike) -> Collision | None:
+        """See `Arm.collision`."""
+        from srs_ik.solve.in_scene.postures import collision
+
+        return collision(self.around, as_bounded_joint_vector(q))
+
+    def path_collisions(self, q: ArrayLike) -> list[PathCollision]:
+        """See `Arm.path_collisions`."""
+        from srs_ik.solve.in_scene.postures import path_collisions
+
+        return path_collisions(self.around, as_joint_vectors(q))

@@ -90,10 +90,16 @@ class Surroundings:
 
     def keeps_range(self, q: Array) -> bool:
         """Whether a posture is in the ranges of joints that keep apart the bodies which they watch."""
+        if not self._in_limits(q):
+            return False
         tight = self.tight[True]
         if tight is None or self.jammed is not None:
             return tight is None
         return bool((q >= tight.lower - _ROUNDING).all() and (q <= tight.upper + _ROUNDING).all())
+
+    def _in_limits(self, q: Array) -> bool:
+        """Whether postures (..., 7) keep the joint limits; beyond these, ranges of joints tell nothing."""
+        return bool(((q >= self.packed.lower - _ROUNDING) & (q <= self.packed.upper + _ROUNDING)).all())
 
     def _cut_limits(self, cut: Cut, margin: float) -> Limits:
         return cut_limits(self.arm, self.packed, self.tables.ranges, cut, margin)
@@ -288,12 +294,16 @@ class Surroundings:
             return True
         return (self.is_exact if by_shapes is None else by_shapes) and self.deepest_at(q, TOUCH) is None
 
+    def watched(self, q: Array, more: float = 0.0) -> list[tuple[int, int]]:
+        """Pairs of bodies that may come within the margin, and so much more, m, at postures (..., 7)."""
+        return self.real_world().watched(self.margin + more if self._in_limits(q) else np.inf)
+
     def deepest_at(self, q: Array, more: float = 0.0) -> Collision | None:
         """Which bodies are too close at a posture, the closest of them, by their real shapes; None for none.
 
         Those also count that come no closer than the margin, but so much more, m.
         """
-        hit = self._nearest(q, self.real_world().watched(self.margin + more), more)
+        hit = self._nearest(q, self.watched(q, more), more)
         hits = [] if hit is None else [hit]
         formless = self.tables.formless
         if len(formless):
@@ -323,10 +333,11 @@ class Surroundings:
 
     def _hit_by_range(self, q: Array) -> Collision | None:
         """Which bodies are too close of those that ranges of joints watch, the closest by their real shapes."""
+        known = self._in_limits(q)
         doubtful = [
             (each.first, each.second)
             for each in self.tables.ranges
-            if each.bound_at(float(q[each.joint])) <= self.margin
+            if not known or each.bound_at(float(q[each.joint])) <= self.margin
         ]
         return self._nearest(q, doubtful) if doubtful else None
 
