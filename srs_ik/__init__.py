@@ -209,4 +209,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, *NAMESPACES})
+    return sorted({*__all__, *NAMESPACES, *(name for name in globals() if name.startswith("__"))})

@@ -24,7 +24,8 @@ RUNNABLE = [
     line
     for name, lines in EXAMPLES.items()
     for line in lines
-    if name not in ("bench", "reproduce") and not {"my_robot.urdf", "poses.csv", "joints.csv", "--interactive"} & set(line.split())
+    if name not in ("bench", "reproduce")
+    and not {"my_robot.urdf", "poses.csv", "joints.csv", "--interactive"} & set(line.split())
 ]
 
 

@@ -564,3 +564,24 @@ def test_a_key_that_is_given_twice_is_refused(tmp_path, name, text):
         srs_ik.Scene.from_file(tmp_path / name)
     (tmp_path / name).write_text(text.replace("xyz", "rpy", 1))
     assert srs_ik.Scene.from_file(tmp_path / name).names == ("a",)
+
+
+def test_misspelt_attributes_are_refused():
+    scene = srs_ik.Scene()
+    with pytest.raises(AttributeError, match=r"no attribute 'excat' \(did you mean 'exact'\?\)"):
+        scene.excat = True
+    with pytest.raises(srs_ik.InvalidScene, match="margin"):
+        scene.margin = -1.0
+    scene.margin = 0.02
+    assert pickle.loads(pickle.dumps(scene)).margin == 0.02
+
+
+def test_an_arm_beside_is_of_the_same_robot():
+    iiwa, gen3 = srs_ik.load("iiwa14"), srs_ik.load("gen3")
+    with pytest.raises(srs_ik.InvalidScene, match="of another robot: iiwa14 has none of its links"):
+        srs_ik.Scene().add_arm("other", gen3, [0.0] * 7, beside=iiwa)
+
+
+def test_a_file_that_is_not_there_is_no_scene(tmp_path):
+    with pytest.raises(srs_ik.InvalidScene, match="there is no file"):
+        srs_ik.Scene.from_file(tmp_path / "none.json")

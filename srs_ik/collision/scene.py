@@ -23,6 +23,7 @@ from srs_ik.collision.figures import (
 from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
 from srs_ik.collision.thing import CELL, Thing, ball_of, cells_of
 from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
+from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.numbers import as_flag, real_array, real_number
 from srs_ik.inputs.poses import PoseLike
 from srs_ik.kernels.layout import collision as at
@@ -48,6 +49,9 @@ def check_scene(scene: Any) -> None:
 class Bodied(Protocol):
     """What a scene asks of an arm that stands in it."""
 
+    name: str
+    model: Any
+
     @property
     def bodies(self) -> list[Body]:
         """The links of the arm, and what it holds."""
@@ -56,7 +60,7 @@ class Bodied(Protocol):
         """(8, 4, 4) frames of the root and of the joints in the base frame."""
 
 
-class Scene:
+class Scene(Fixed):
     """What an arm must not touch, in the base frame of the arm; metres and radians.
 
     Without objects, it is the arm's own bodies that count. Every object has a name and can be moved. Answers with
@@ -70,22 +74,39 @@ class Scene:
         exact: whether real shapes count, by coal, and not the spheres that cover the links; this takes longer.
         margin: m, to be left everywhere.
 
-    Attributes:
-        exact: as given.
-        margin: as given.
-
     Raises:
         InvalidScene: the margin is no finite number, or negative.
     """
 
+    _closed = True
+
+    version = 0
+    """Changes with the objects that there are."""
+    moves = 0
+    """Changes with where they are."""
+
     def __init__(self, exact: bool = False, margin: float = 0.0) -> None:
-        self.exact = as_flag(exact, "exact", InvalidScene)
-        self.margin = as_margin(margin)
+        self.exact = exact
+        self.margin = margin
         self._things: dict[str, Thing] = {}
-        self.version = 0
-        """Changes with the objects that there are."""
-        self.moves = 0
-        """Changes with where they are."""
+
+    @property
+    def exact(self) -> bool:
+        """Whether real shapes count; may be set."""
+        return self._exact
+
+    @exact.setter
+    def exact(self, exact: bool) -> None:
+        self._exact = as_flag(exact, "exact", InvalidScene)
+
+    @property
+    def margin(self) -> float:
+        """What is to be left everywhere, m; may be set."""
+        return self._margin
+
+    @margin.setter
+    def margin(self, margin: float) -> None:
+        self._margin = as_margin(margin)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -245,7 +266,8 @@ class Scene:
             beside: instead of a pose, an arm of the same robot: the one that asks.
 
         Raises:
-            InvalidScene: the name is taken, the pose is none, or neither or both of pose and `beside` are given.
+            InvalidScene: the name is taken, the pose is none, neither or both of pose and `beside` are given, or that
+                is of another robot.
             InvalidConfiguration: not 7 finite angles.
             NoBodies: no shapes of the other arm are at hand.
         """
@@ -259,7 +281,12 @@ class Scene:
         T = as_pose(pose, name) if beside is None else beside.joint_frames(np.zeros(7))[0] @ np.linalg.inv(frames[0])
         thing = Thing(as_name(name), T)
         bodies = other.bodies if beside is None else [body for body in other.bodies if body.joint]
-        thing.replaces = frozenset(body.name for body in bodies) if beside is not None else frozenset()
+        if beside is not None:
+            thing.replaces = frozenset(body.name for body in bodies)
+            if thing.replaces.isdisjoint(frame.name for frame in beside.model.frames):
+                raise InvalidScene(
+                    f"{quoted(name)} is of another robot: {beside.name} has none of its links; give its pose instead"
+                )
         for body in bodies:
             F = frames[body.joint]
             rows = np.column_stack([body.spheres[:, :3] @ F[:3, :3].T + F[:3, 3], body.spheres[:, 3]])
@@ -291,8 +318,7 @@ class Scene:
         """A scene from a JSON or YAML file; see `docs/collisions.md` for what stands in it.
 
         Raises:
-            InvalidScene: it is no such file; the message says which object is wrong, and how.
-            InvalidRobot: there is no such file, or it cannot be read.
+            InvalidScene: there is no such file, or it is none; the message says which object is wrong, and how.
             MissingExtra: a YAML file, and no reader for it is installed.
         """
         from srs_ik.collision.scene_files import read_scene

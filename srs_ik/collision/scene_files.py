@@ -11,7 +11,7 @@ import numpy as np
 
 from srs_ik.collision.figures import as_vector
 from srs_ik.collision.sphere_files import read_tree_of
-from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
+from srs_ik.errors import InvalidPose, InvalidRobot, InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.messages import pose_matrix
 from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_of_xyz_rpy, warn_of_degrees
 from srs_ik.robot.description.files import label_of
@@ -60,12 +60,14 @@ def read_scene(file: str | Path) -> SceneFile:
     named relative to the file.
 
     Raises:
-        InvalidScene: it is no such file.
-        InvalidRobot: there is no such file, or it cannot be read.
+        InvalidScene: there is no such file, or it is none.
         MissingExtra: a YAML file, and no reader for it is installed.
     """
     path = Path(file)
-    content = read_tree_of(path)
+    try:
+        content = read_tree_of(path)
+    except InvalidRobot as error:
+        raise InvalidScene(str(error)) from None
     where = label_of(path)
     if isinstance(content, Mapping):
         _expect(content, ("objects", "margin", "exact"), where)

@@ -82,7 +82,7 @@ def refuse_beside(free_axis: Any, **others: Any) -> None:
     """Raise InvalidTask for what does not go with a free axis."""
     given = [name for name, value in others.items() if value is not None and value is not False]
     if free_axis is not None and given:
-        raise InvalidTask(f"free_axis leaves {given[0]} to be chosen, or knows nothing of it: give one of the two")
+        raise InvalidTask(f"free_axis does not go with {given[0]}: give one of the two")
 
 
 def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | None, respect: bool) -> Array:

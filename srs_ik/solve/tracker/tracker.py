@@ -173,6 +173,7 @@ class Tracker(Fixed):
     """
 
     _fixed = frozenset(("dt", "velocity_limit", "acceleration_limit", "jerk_limit", "free_axis"))
+    _closed = True
     _instead = "only elbow and smoothing can; make another tracker by Arm.tracker"
 
     def __init__(
@@ -277,7 +278,7 @@ class Tracker(Fixed):
             joint = int(outside.argmax())
             raise InvalidConfiguration(
                 f"q0 has {self._packed.joint_names[joint]} {outside[joint]:.6g} rad outside its limits; "
-                "a tracker begins inside of them"
+                "a tracker begins inside of them, as np.clip(q0, arm.lower, arm.upper) is"
             )
         self._state = np.zeros(at.STATE)
         self._state[at.Q : at.V] = self._state[at.GOAL : at.GOAL_RATE] = q
