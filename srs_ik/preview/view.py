@@ -126,14 +126,19 @@ class Preview:
 
         The file appears whole or not at all.
 
+        Args:
+            path: a file that ends in .html or .htm.
+
         Returns:
             Where it was written.
 
         Raises:
-            PreviewError: the preview is closed, the path is none, or the file cannot be written.
+            PreviewError: the preview is closed, the path is none or ends otherwise, or the file cannot be written.
         """
         if not isinstance(path, str | os.PathLike):
             raise PreviewError(f"a page is saved under the name of a file, such as scene.html, not {quoted(path)}")
+        if Path(path).suffix.lower() not in (".html", ".htm") and not Path(path).is_dir():
+            raise PreviewError(f"a page is HTML: give it a name such as scene.html, not {quoted(str(path))}")
         try:
             return write_whole(Path(path), self.html())
         except IsADirectoryError:
