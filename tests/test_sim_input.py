@@ -152,9 +152,7 @@ def test_a_replay_is_a_page_and_no_video(tmp_path):
 
 @pytest.mark.parametrize("start", [0.002, 9.0])
 def test_a_push_that_never_begins_is_refused(start):
-    with pytest.raises(
-        srs_ik.InvalidController, match=r"a push begins at .* s, when the simulation of 0.002 s is over"
-    ):
+    with pytest.raises(srs_ik.InvalidController, match=r"a push begins at .* when the simulation of 0.002 s is over"):
         pushed(on="tip", force=[1.0, 0.0, 0.0], start=start, duration=0.3)
     with pytest.raises(srs_ik.InvalidController, match="start of a push"):
         pushed(on="tip", force=[1.0, 0.0, 0.0], start=-start, duration=0.3)

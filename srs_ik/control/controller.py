@@ -272,7 +272,7 @@ class TorqueController:
         return self._work[at.WEIGHT].copy()
 
     def __repr__(self) -> str:
-        held = [port.on for port in self.ports]
+        held: list[str] = [port.on for port in self.ports]
         held += [what for what, given in (("joint limits", self.limits), ("joint speeds", self.speeds)) if given]
         held += ["weight"] if self._bounds[-1] else []
         return f"TorqueController({self.arm.name}: {', '.join(held) or 'nothing'})"

@@ -117,8 +117,8 @@ def _refuse_other_arm(arm: Arm, other: Any) -> None:
     """Raise InvalidController where a controller has an arm with other joints or lengths than the plant's."""
     if not isinstance(other, Arm):
         return
-    lengths = [(each.limb.upper_arm, each.limb.forearm) for each in (arm, other)]
-    if arm.joint_names != other.joint_names or not np.allclose(*lengths, rtol=0.0, atol=ALIKE):
+    off = max(abs(arm.limb.upper_arm - other.limb.upper_arm), abs(arm.limb.forearm - other.limb.forearm))
+    if arm.joint_names != other.joint_names or off > ALIKE:
         raise InvalidController(
             f"the plant is {quoted(arm.name)} and the controller is of {quoted(other.name)}, another robot"
         )
