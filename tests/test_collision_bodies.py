@@ -219,3 +219,28 @@ def test_spheres_of_links_that_are_not_there_are_refused(tmp_path):
     # As cuRobo writes of an object that is not held yet.
     held = {"attached_object": [{"center": [0, 0, 0], "radius": -10.0}]}
     assert [body.name for body in with_spheres({"iiwa_link_1": one, **held}).bodies] == ["iiwa_link_1"]
+
+
+def test_spheres_may_be_given_by_the_names_of_links(tmp_path):
+    arm = srs_ik.load("iiwa14")
+    given = {"iiwa_link_3": np.array([[0, 0, 0.1, 0.1], [0, 0, 0.2, 0.05]]), "iiwa_link_4": [[0.0, 0.1, 0.0, 0.05]]}
+    (tmp_path / "all.json").write_text(json.dumps({name: np.array(rows).tolist() for name, rows in given.items()}))
+    direct, by_file = arm.with_bodies(spheres=given), arm.with_bodies(spheres=tmp_path / "all.json")
+    assert [body.name for body in direct.bodies] == list(given)
+    for one, other in zip(direct.bodies, by_file.bodies, strict=True):
+        assert np.array_equal(one.spheres, other.spheres)
+    # A model has no shapes.
+    bare = srs_ik.load(arm.model, base=arm.base, tip=arm.tip)
+    T, scene = arm.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]), srs_ik.Scene()
+    with pytest.raises(srs_ik.NoBodies):
+        bare.solve(T, scene=scene)
+    assert bare.with_bodies(spheres=given).solve(T, scene=scene)
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"), [("x", "iiwa_link_3"), ([[0, 0, 1]], "iiwa_link_3"), ([[0, 0, np.nan, 1]], "iiwa_link_3")]
+)
+def test_spheres_that_are_none_are_named(rows, says):
+    arm = srs_ik.load("iiwa14")
+    with pytest.raises(srs_ik.InvalidScene, match=says):
+        arm.with_bodies(spheres={"iiwa_link_3": rows}).bodies  # noqa: B018

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import pickle
 import threading
 from types import SimpleNamespace as Message
 
@@ -361,7 +362,6 @@ def test_two_arms_keep_clear_of_each_other(arm):
 @pytest.mark.slow
 def test_copies_keep_their_plan(arm, pose):
     import copy
-    import pickle
 
     changed = arm.with_bodies(drop=[("iiwa_link_0", "iiwa_link_6")])
     for other in (copy.deepcopy(changed), pickle.loads(pickle.dumps(changed))):

@@ -478,3 +478,17 @@ def test_the_elbow_keeps_away_from_an_object_where_it_is_now():
     for _ in range(200):
         step = tracker.update(pose)
     assert np.linalg.norm(arm.joint_frames(step.q)[4, :3, 3] - there[:3, 3]) > 0.35
+
+
+def test_a_misspelt_attribute_is_refused():
+    tracker = load("iiwa14").tracker([0.1] * 7, 0.002)
+    with pytest.raises(AttributeError, match="did you mean 'smoothing'"):
+        tracker.smothing = 0.02
+
+
+def test_who_starts_outside_the_limits_is_told_what_is_inside():
+    arm = load("iiwa14")
+    past = np.append(arm.upper[:6], 0.0) + 1e-4
+    with pytest.raises(InvalidConfiguration, match=r"np\.clip\(q0, arm\.lower, arm\.upper\)"):
+        arm.tracker(past, 0.002)
+    assert arm.tracker(np.clip(past, arm.lower, arm.upper), 0.002).update(None).status == "HELD"

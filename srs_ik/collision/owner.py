@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -31,7 +31,7 @@ class BodyPlan:
     """How the bodies of an arm are found."""
 
     folders: tuple[str, ...] = ()  # to search for meshes
-    spheres: str = ""  # file of spheres of the links; empty for none
+    spheres: str = ""  # file of spheres of the links, or these as JSON; empty for none
     srdf: str = ""  # path or text of an SRDF file; empty for none
     keep: tuple[tuple[str, str], ...] = ()  # pairs of bodies that are watched in any case
     drop: tuple[tuple[str, str], ...] = ()  # pairs of bodies that are not watched
@@ -67,7 +67,7 @@ class BodyOwner(ChainKinematics):
     def with_bodies(
         self,
         folders: Sequence[str | Path] = (),
-        spheres: str | Path | None = None,
+        spheres: str | Path | Mapping[str, ArrayLike] | None = None,
         srdf: str | Path | None = None,
         keep: Iterable[tuple[str, str]] = (),
         drop: Iterable[tuple[str, str]] = (),
@@ -76,14 +76,20 @@ class BodyOwner(ChainKinematics):
 
         Args:
             folders: folders to search for meshes.
-            spheres: file with spheres of the links in place of their shapes: of cuRobo (YAML) or foam (JSON).
+            spheres: spheres of the links in place of their shapes: a file of cuRobo (YAML) or foam (JSON), or (n, 4)
+                centres in the frame of the link and radii, m, by the names of links.
             srdf: path or text of an SRDF file; its disabled pairs are not watched, and all others are. By default the
                 one that counts already: that of `load`, if it disables any, or of an earlier call.
             keep: pairs of names that are watched in any case.
             drop: pairs of names that are not watched, on your word.
         """
+        from srs_ik.collision.sphere_files import as_text
+
         text = self.plan.srdf if srdf is None else str(srdf)
-        file = "" if spheres is None else str(Path(spheres).absolute())
+        if isinstance(spheres, Mapping):
+            file = as_text(spheres)
+        else:
+            file = "" if spheres is None else str(Path(spheres).absolute())
         given = BodyPlan(tuple(map(str, folders)), file, text, _pairs(keep), _pairs(drop), self.plan.held)
         return self._planned(given)
 

@@ -1,4 +1,4 @@
-"""Spheres of links as other programs write them: robot files of cuRobo (YAML), and foam's results (JSON)."""
+"""Spheres of links as other programs write them, robot files of cuRobo (YAML) and foam's results (JSON), or as given."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from srs_ik.errors import InvalidScene, MissingExtra, quoted
-from srs_ik.inputs.numbers import real_number
+from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.robot.description.files import label_of, read
 from srs_ik.system import bounds
 from srs_ik.system.arrays import Array
@@ -19,8 +19,23 @@ _WRAPPERS = ("robot_cfg", "kinematics", "collision_spheres", "spheres")
 _CENTRES = ("center", "centre", "origin")
 
 
+def as_text(spheres: Mapping[str, Any]) -> str:
+    """Spheres of links by name as JSON, by which plans are told apart.
+
+    Raises:
+        InvalidScene: of some link they are no (n, 4) numbers.
+    """
+    rows = {}
+    for link, given in spheres.items():
+        try:
+            rows[str(link)] = real_array(given).tolist()
+        except (TypeError, ValueError):
+            raise InvalidScene(f"spheres of {quoted(str(link))} are centres and radii, (n, 4) numbers, m") from None
+    return json.dumps(rows)
+
+
 def read_spheres(file: str | Path) -> dict[str, Array]:
-    """Spheres (n, 4) of links by name, in the frames of these links: centre and radius, m.
+    """Spheres (n, 4) of links by name, in the frames of these links: centre and radius, m; of a file, or of `as_text`.
 
     Spheres without a radius, or with one that is not positive, are left out: cuRobo writes them for links that have
     none.
@@ -29,6 +44,8 @@ def read_spheres(file: str | Path) -> dict[str, Array]:
         InvalidScene: the file holds no spheres of links.
         Others: as `read_tree_of` does.
     """
+    if isinstance(file, str) and file.startswith("{"):
+        return {link: _rows(rows, f"spheres of {quoted(link)}") for link, rows in json.loads(file).items()}
     path = Path(file)
     content = read_tree_of(path)
     for _ in range(len(_WRAPPERS)):
