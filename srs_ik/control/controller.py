@@ -147,8 +147,8 @@ class TorqueController:
         self._require_ports("a pose")
         if arm_angle is not None:
             self._require_ports("an arm angle", "elbow", "arm_angle")
-        self.solution = self.arm.solve(pose, arm_angle=arm_angle, seed=seed)
         T = as_rigid_matrix(pose)
+        self.solution = self.arm.solve(T, arm_angle=arm_angle, seed=seed)
         angle = self.solution.arm_angle if arm_angle is None else float(arm_angle)
         self._aim(T, self._elbow_at(self.solution.q), angle, restart)
         return self.solution
