@@ -17,7 +17,7 @@ from srs_ik.inputs.control import flag, seven_positive, thing, things, vector
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
-from srs_ik.system.arrays import Array
+from srs_ik.system.arrays import Array, equal_to_itself
 
 if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 Usual = TypeVar("Usual", JointLimits, JointSpeeds)
 
 
+@equal_to_itself
 class PortReading(NamedTuple):
     """What a port did in the last tick."""
 
