@@ -125,3 +125,33 @@ def test_a_file_of_lost_targets_has_no_posture_to_begin_with(tmp_path):
     done = run("follow", "iiwa14", file, "--dt", "0.01")
     assert done.exit_code == 2
     assert "no posture to begin with" in done.stderr
+
+
+@pytest.mark.parametrize(("step", "said"), [(0.02, True), (0.002, False)])
+def test_times_of_the_file_that_are_not_those_of_dt_are_told(tmp_path, step, said):
+    file, _ = targets(tmp_path / "poses.csv", lost=())
+    header, *rows = (tmp_path / "poses.csv").read_text().splitlines()
+    lines = [f"time,{header}", *(f"{k * step:.4f},{row}" for k, row in enumerate(rows))]
+    (tmp_path / "poses.csv").write_text("\n".join(lines))
+    done = run("follow", "iiwa14", file, "--dt", "0.002", "--q", *map(str, Q))
+    assert done.exit_code == 0
+    assert ("has times 0.02 s apart, and --dt says 0.002 s" in done.stderr) == said
+
+
+def test_comments_are_left_out_and_name_columns_above_figures(tmp_path):
+    plain, _ = targets(tmp_path / "plain.csv", lost=())
+    header, *rows = (tmp_path / "plain.csv").read_text().splitlines()
+    words = ("--dt", "0.002", "--q", *map(str, Q))
+    wanted = answer("follow", "iiwa14", plain, *words)["q"]
+    for head in (["# of a camera", header], ["# of a camera", f"# {header}"]):
+        (tmp_path / "other.csv").write_text("\n".join([*head, *rows[:30], "# and on", *rows[30:]]))
+        assert answer("follow", "iiwa14", str(tmp_path / "other.csv"), *words)["q"] == wanted
+    np.savetxt(tmp_path / "numpy.csv", np.array([row.split(",") for row in rows], float), header=header, delimiter=",")
+    assert np.allclose(answer("follow", "iiwa14", str(tmp_path / "numpy.csv"), *words)["q"], wanted, atol=1e-9)
+
+
+def test_figures_without_names_are_refused(tmp_path):
+    (tmp_path / "poses.csv").write_text("0.5,0.1,0.6,0,1.57,0\n")
+    done = run("follow", "iiwa14", str(tmp_path / "poses.csv"), "--dt", "0.002")
+    assert done.exit_code == 2
+    assert "the header must name the columns x, y, z" in done.stderr

@@ -117,3 +117,19 @@ def test_without_viser_the_error_names_the_extra_once_a_page_is_made(monkeypatch
     assert [name for name in srs_ik.__all__ if not hasattr(srs_ik, name)] == []
     with pytest.raises(srs_ik.MissingExtra, match=re.escape(install_command("interactive"))):
         srs_ik.preview.InteractivePreview(arm)
+
+
+def test_a_sweep_of_the_slider_turns_no_joint_around():
+    pytest.importorskip("viser")
+    arm = srs_ik.load("gen3")
+    with srs_ik.preview.InteractivePreview(arm, [2.9, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]) as page:
+        page._list.value = next(name for name in page._list.options if name.startswith("branch 7"))
+        page._interval_chosen()
+        before = None
+        for angle in np.arange(np.ceil(page._slider.min), page._slider.max, 0.5):
+            page._slider.value = float(angle)
+            page._turn()
+            if before is not None:
+                assert np.abs(page.solution.q - before).max() < 1.0
+            before = page.solution.q
+            assert max(arm.verify(page.target, before)) < 1e-9

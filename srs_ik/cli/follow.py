@@ -86,7 +86,7 @@ def follow(
         )
     q0 = None if start is None else angles("--q", start, unit)
     refuse_onto(out, poses)
-    targets = read_targets(poses, unit)
+    targets = read_targets(poses, unit, period)
 
     from srs_ik.loading import load
 

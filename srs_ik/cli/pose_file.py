@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from srs_ik.cli.options import WrongInput, is_number
+from srs_ik.cli.options import WrongInput, is_number, warn
 from srs_ik.cli.poses import warn_of_degrees
 from srs_ik.system.writing import write_whole
 
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
 POSITION = ("x", "y", "z")
 RPY = ("roll", "pitch", "yaw")
 QUATERNION = ("qx", "qy", "qz", "qw")
-
+TIMES = ("t", "time", "timestamp")
+"""How a column of times may be called."""
 
 DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 """What else tables are separated by, and its name."""
@@ -60,9 +62,27 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
     return np.array(poses), lines
 
 
-def read_targets(path: Path, unit: float) -> list[np.ndarray | None]:
-    """The poses of a CSV file as `read_poses` gives and refuses them, one a period; None for a line of nan."""
-    return _poses(path, read_table(path, (*POSITION, *RPY)), unit, lost=True)[0]
+def read_targets(path: Path, unit: float, period: float) -> list[np.ndarray | None]:
+    """The poses of a CSV file as `read_poses` gives and refuses them, one a period; None for a line of nan.
+
+    A line on standard error says so if the file has times of its own that are not a period apart.
+    """
+    table = read_table(path, (*POSITION, *RPY))
+    _warn_of_times(path, table, period)
+    return _poses(path, table, unit, lost=True)[0]
+
+
+def _warn_of_times(path: Path, table: list[tuple[int, list[str]]], period: float) -> None:
+    names = [name.strip().lower() for name in table[0][1]]
+    column = next((names.index(name) for name in TIMES if name in names), None)
+    if column is None:
+        return
+    cells = [row[column] for _, row in table[1:] if column < len(row)]
+    times = [float(cell) for cell in cells if is_number(cell)]
+    steps = sorted(after - before for before, after in itertools.pairwise(times))
+    if steps and abs(steps[len(steps) // 2] - period) > 0.01 * period:
+        usual = steps[len(steps) // 2]
+        warn(f"{path} has times {usual:.6g} s apart, and --dt says {period:g} s, which counts")
 
 
 def _poses(
@@ -107,6 +127,8 @@ def _is_nan(row: Sequence[str], index: int) -> bool:
 def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]]:
     """The lines of a CSV file that are not empty, each with its number; the first names its columns, such as these.
 
+    Lines that begin with # are comments; the last one above figures names their columns, as `numpy.savetxt` writes it.
+
     Raises:
         WrongInput: no text, no CSV, or nothing in it.
         OSError: the file cannot be read.
@@ -120,6 +142,7 @@ def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]
         table = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
     except csv.Error as error:
         raise WrongInput(f"{path}, line {reader.line_num}: {error}") from None
+    table = _without_comments(table)
     if not table:
         raise WrongInput(f"{path} is empty: its first line names the columns {', '.join(columns)}")
     first, header = table[0]
@@ -133,6 +156,14 @@ def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]
                 "decimals have points, not commas, and text with commas stands in quotes"
             )
     return table
+
+
+def _without_comments(table: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
+    rest = [(line, row) for line, row in table if not row[0].lstrip().startswith("#")]
+    if rest and all(is_number(cell) for cell in rest[0][1]):
+        above = [(line, row) for line, row in table if line < rest[0][0]]
+        rest = [(line, [row[0].lstrip().lstrip("#"), *row[1:]]) for line, row in above[-1:]] + rest
+    return rest
 
 
 def _columns(path: Path, line: int, header: Sequence[str]) -> tuple[dict[str, int], bool]:

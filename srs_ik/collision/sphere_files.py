@@ -1,4 +1,4 @@
-"""Spheres of links as other programs write them, robot files of cuRobo (YAML) and foam's results (JSON), or as given."""
+"""Spheres of links: as given, or as robot files of cuRobo (YAML) and foam's results (JSON) have them."""
 
 from __future__ import annotations
 

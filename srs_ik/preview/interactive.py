@@ -150,7 +150,9 @@ class InteractivePreview(LivePage):
         # Just inside: the slider's ends are rounded, and at the very end a joint is on its limit.
         margin = min(1e-9, 0.25 * interval.width)
         inside = min(max(psi, interval.lower + margin), interval.upper - margin)
-        self._solution = self.arm.solve(self.target, arm_angle=inside, branch=interval.branch)
+        # In the turns of the posture that is shown: a robot may follow.
+        before = self._solution.q
+        self._solution = self.arm.solve(self.target, arm_angle=inside, branch=interval.branch, seed=before)
         self._settle(self.target)
 
     def _settle(self, T: Array) -> None:

@@ -125,7 +125,10 @@ class PathSolution(BatchSolution):
         if times is None and problem is not None and problem.dt is not None:
             times = float(problem.dt) * np.arange(len(self), dtype=float)
         if times is None or problem is None:
-            raise InvalidConfiguration("nothing says how fast the path is passed: give solve_path dt, or accelerations")
+            raise InvalidConfiguration(
+                "nothing says how fast the path is passed: "
+                "give solve_path dt=, or objective='time' with acceleration_limit="
+            )
         arm, pushes = problem.arm, np.full(7, np.inf) if problem.acceleration is None else problem.acceleration
         q = np.vstack([self.q[:1], self.q[0] + np.cumsum(self.steps, axis=0)])
         return Trajectory(q, times, (arm.lower, arm.upper), arm.velocity_limit, pushes)
