@@ -49,7 +49,7 @@ class Preview:
 
     Args:
         arm: the arm; it is shown in the middle of its ranges, the elbow bent, until `show` says otherwise.
-        package_dirs: folders to search for meshes before all others: packages, or folders that hold packages.
+        package_dirs: a folder, or several, to search for meshes before all others: packages, or folders that hold packages.
         port: of the page; 0 for any that is free.
 
     Attributes:
@@ -57,11 +57,11 @@ class Preview:
         missing: one clause for every shape of the robot that could not be drawn, such as a mesh that is not found.
 
     Raises:
-        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
+        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more; or there is no such folder.
         PreviewError: the port is taken, or there is none of this number.
     """
 
-    def __init__(self, arm: Arm, package_dirs: Sequence[str | Path] = (), port: int = 0) -> None:
+    def __init__(self, arm: Arm, package_dirs: str | Path | Sequence[str | Path] = (), port: int = 0) -> None:
         check_arm(arm)
         self.arm = arm
         self._size = reach(arm)
