@@ -49,14 +49,15 @@ def header(entries: Sequence[Entry]) -> str:
     return "\n".join([*lines, "#ifdef __cplusplus", "}", "#endif", "#endif", ""])
 
 
-def _places() -> list[tuple[str, str, int]]:
+def _places() -> list[tuple[str, str, int | float]]:
     """Places and sizes of what travels in arrays, from `layout`."""
-    found = []
+    found: list[tuple[str, str, int | float]] = []
     for each in iter_modules(layout.__path__):
         for name, value in vars(importlib.import_module(f"{layout.__name__}.{each.name}")).items():
             if name.isupper() and not name.startswith("_") and isinstance(value, (int, float)):
                 if float(value).is_integer():
-                    found.append((each.name.upper(), name, int(value)))
+                    # C has no whole numbers beyond 64 bits.
+                    found.append((each.name.upper(), name, int(value) if abs(value) < 2**63 else float(value)))
     return found
 
 
