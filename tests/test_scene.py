@@ -458,8 +458,10 @@ def test_messages_are_read_as_moveit_reads_them(arm, pose):
     assert np.array_equal(ends(arm.intervals(pose, scene=scene)), ends(arm.intervals(pose, scene=made)))
     there = [at(0, 0, 0.2, 1.0), at(0, 0, 0, 1.0)]
     for wrong, said in (
-        ({"operation": 1}, "does not add it"),
-        ({"operation": b"\x01"}, "does not add it"),
+        ({"operation": 2}, "neither adds, moves nor removes it"),
+        ({"operation": b"\x02"}, "neither adds, moves nor removes it"),
+        ({"operation": 1}, "the scene has no 'a'"),
+        ({"operation": b"\x03"}, "the scene has no 'a'"),
         ({"planes": [Message(coef=[0, 0, 1, 0])]}, "planes"),
         ({"primitive_poses": [*there, there[0]]}, "2 primitives and 3 primitive_poses"),
         ({"pose": at(0, 0, 0, 0.5)}, "pose of 'a': a quaternion"),
@@ -585,3 +587,40 @@ def test_an_arm_beside_is_of_the_same_robot():
 def test_a_file_that_is_not_there_is_no_scene(tmp_path):
     with pytest.raises(srs_ik.InvalidScene, match="there is no file"):
         srs_ik.Scene.from_file(tmp_path / "none.json")
+
+
+def test_a_planning_scene_that_is_told_again_and_again():
+    def at(x, y, z):
+        return Message(position=Message(x=x, y=y, z=z), orientation=Message(x=0.0, y=0.0, z=0.0, w=1.0))
+
+    def told(scene, *objects):
+        scene.add_message(Message(world=Message(collision_objects=list(objects))))
+
+    box, ball = Message(type=1, dimensions=[0.2, 0.2, 0.2]), Message(type=2, dimensions=[0.1])
+    cup = Message(
+        id="cup", pose=at(0.5, 0.2, 0.4), primitives=[box, ball], primitive_poses=[at(0, 0, 0), at(0, 0, 0.3)]
+    )
+    scene = srs_ik.Scene()
+    scene.add_sphere("lamp", [0.0, 0.0, 2.0], 0.1)
+    told(scene, cup)
+    told(scene, cup)
+    assert scene.names == ("lamp", "cup/0", "cup/1")
+    scene.move("cup/1", np.eye(4))
+    told(
+        scene, Message(id="cup", operation=3, pose=at(0.1, 0.2, 0.3)), Message(id="lamp", operation=3, pose=at(1, 1, 1))
+    )
+    places = {thing.name: thing.T[:3, 3].round(12).tolist() for thing in scene}
+    assert places == {"lamp": [1, 1, 1], "cup/0": [0.1, 0.2, 0.3], "cup/1": [0.1, 0.2, 0.6]}
+    told(scene, Message(id="cup", primitives=[ball]))
+    assert scene.names == ("lamp", "cup")
+    # All of a message counts, or nothing.
+    cone = Message(id="cone", primitives=[Message(type=4, dimensions=[1, 1])])
+    bad = Message(id="bad", primitives=[Message(type=2, dimensions=[-1.0])])
+    for wrong in (cone, bad, Message(id="none", operation=1)):
+        with pytest.raises(InvalidScene):
+            told(scene, Message(id="new", primitives=[box]), Message(id="cup", operation=1), wrong)
+        assert scene.names == ("lamp", "cup")
+    told(scene, Message(id="cup", operation=b"\x01"))
+    assert scene.names == ("lamp",)
+    told(scene, cup, Message(id="", operation=1))
+    assert scene.names == ()

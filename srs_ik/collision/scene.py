@@ -32,7 +32,7 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
-    from srs_ik.collision.scene_files import Given
+    from srs_ik.collision.scene_files import Given, Told
 
 MESH_SPHERES = 96
 """Spheres that cover a mesh, about."""
@@ -89,6 +89,8 @@ class Scene(Fixed):
         self.exact = exact
         self.margin = margin
         self._things: dict[str, Thing] = {}
+        # Of objects that messages have told of, their shapes by name, and where these are in the object.
+        self._told: dict[str, dict[str, Array]] = {}
 
     @property
     def exact(self) -> bool:
@@ -296,22 +298,49 @@ class Scene(Fixed):
         self._put(thing)
 
     def add_message(self, message: Any) -> None:
-        """Add what a message of ROS describes, told by its fields alone.
+        """Do as a message of ROS says, told by its fields alone; all of it, or nothing.
 
         Args:
             message: a CollisionObject of moveit_msgs (id, pose, primitives, meshes), or what has a list of them as
                 `collision_objects`, perhaps in a `world`. Frames in headers are not looked at: poses have to be in the
-                base frame. As in MoveIt, a shape without a pose is where its object is, and a quaternion of four zeros
-                is no turn.
+                base frame. As in MoveIt, one that is added takes the place of one with its name, a shape without a pose
+                is where its object is, and a quaternion of four zeros is no turn; one is moved or removed by its name,
+                and all are removed by none. Of several shapes, the first is called ``name/0``.
 
         Raises:
-            InvalidScene: it is none of these, it has an octomap, attached objects or padded links, an object is not to
-                be added or has planes, a name is taken, or figures make no sense.
+            InvalidScene: it is none of these, it has an octomap, attached objects or padded links, an object has planes
+                or is to be appended to, it is not there, or figures make no sense.
         """
         from srs_ik.collision.scene_files import of_message
 
-        for given in list(of_message(message)):
+        before = dict(self._things), dict(self._told)
+        try:
+            for told in list(of_message(message)):
+                self._do(told)
+        except InvalidScene:
+            self._things, self._told = before
+            self.version += 1
+            raise
+
+    def _do(self, told: Told) -> None:
+        from srs_ik.collision.scene_files import MOVE, REMOVE
+
+        shapes = self._told.pop(told.name, {told.name: np.eye(4)})
+        if told.operation == MOVE:
+            for name, T_object_shape in shapes.items():
+                self.move(name, told.place @ T_object_shape)
+            self._told[told.name] = shapes
+            return
+        if told.operation == REMOVE and not told.name:
+            shapes = dict.fromkeys(self._things, np.eye(4))
+            self._told.clear()
+        for name in shapes:
+            if told.operation == REMOVE or name in self._things:
+                self.remove(name)
+        for given in told.parts:
             self._add_given(given)
+        names = [given.arguments[0] for given in told.parts]
+        self._told[told.name] = {name: np.linalg.inv(told.place) @ self._things[name].T for name in names}
 
     @classmethod
     def from_file(cls, file: str | Path, exact: bool = False) -> Scene:

@@ -29,7 +29,8 @@ _ORIGIN = (0.0, 0.0, 0.0)
 _BOX, _SPHERE, _CYLINDER = 1, 2, 3
 """Types of shape_msgs/SolidPrimitive."""
 
-_ADD = 0
+ADD, REMOVE, MOVE = 0, 1, 3
+"""Operations of a CollisionObject."""
 """Operation of a moveit_msgs/CollisionObject; a byte in Python's messages of ROS 2."""
 
 
@@ -39,6 +40,15 @@ class Given(NamedTuple):
     kind: str  # one of `KINDS`, or "triangles": what `Scene.add_KIND` takes
     arguments: tuple[Any, ...]  # of that function
     place: Array | None = None  # (4, 4) where the object is put then; None where `arguments` say so
+
+
+class Told(NamedTuple):
+    """What a message says of an object."""
+
+    operation: int
+    name: str
+    place: Array  # (4, 4) of the object
+    parts: list[Given]  # its shapes
 
 
 class SceneFile(NamedTuple):
@@ -150,8 +160,8 @@ def _points(figure: Any, name: Any, folder: Path) -> Any:
         raise InvalidScene(f"points of {quoted(name)} cannot be read: {error}") from None
 
 
-def of_message(message: Any) -> Iterator[Given]:
-    """The objects that a message describes: see `Scene.add_message`."""
+def of_message(message: Any) -> Iterator[Told]:
+    """What a message says of objects: see `Scene.add_message`."""
     world = getattr(message, "world", message)
     objects = getattr(world, "collision_objects", None)
     _refuse_unread(message)
@@ -164,22 +174,31 @@ def of_message(message: Any) -> Iterator[Given]:
     name = getattr(message, "id", None)
     if not isinstance(name, str):
         raise InvalidScene(f"a message of objects has an id, or collision_objects, unlike a {type(message).__name__}")
-    if getattr(message, "operation", _ADD) not in (_ADD, bytes([_ADD])):
-        raise InvalidScene(f"the message of {quoted(name)} does not add it; see Scene.remove and Scene.move")
+    operation = getattr(message, "operation", ADD)
+    operation = operation[0] if isinstance(operation, bytes) and len(operation) == 1 else operation
+    if operation not in (ADD, REMOVE, MOVE):
+        raise InvalidScene(f"the message of {quoted(name)} neither adds, moves nor removes it: nothing else is read")
+    outer = _of(getattr(message, "pose", None), name)
+    yield Told(operation, name, outer, _parts(message, name, outer) if operation == ADD else [])
+
+
+def _parts(message: Any, name: str, outer: Array) -> list[Given]:
+    """The shapes of an object, by its name, or if there are several by that and their numbers."""
     if len(getattr(message, "planes", ())):
         raise InvalidScene(f"{quoted(name)} has planes, which nothing reads; see Scene.add_half_space")
-    outer = _of(getattr(message, "pose", None), name)
     primitives = _shapes(message, "primitives", "primitive_poses", name)
     meshes = _shapes(message, "meshes", "mesh_poses", name)
     several = len(primitives) + len(meshes) > 1
     if not primitives and not meshes:
         raise InvalidScene(f"{quoted(name)} has neither primitives nor meshes")
+    parts = []
     for k, (primitive, T) in enumerate(primitives):
-        yield _primitive(f"{name}/{k}" if several else name, outer @ T, primitive)
+        parts.append(_primitive(f"{name}/{k}" if several else name, outer @ T, primitive))
     for k, (mesh, T) in enumerate(meshes, len(primitives)):
         vertices = [(v.x, v.y, v.z) for v in mesh.vertices]
         faces = np.array([tuple(t.vertex_indices) for t in mesh.triangles], dtype=np.int64)
-        yield Given("triangles", (f"{name}/{k}" if several else name, outer @ T, vertices, faces))
+        parts.append(Given("triangles", (f"{name}/{k}" if several else name, outer @ T, vertices, faces)))
+    return parts
 
 
 def _refuse_unread(message: Any) -> None:

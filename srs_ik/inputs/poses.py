@@ -70,6 +70,20 @@ def as_matrix(pose: PoseLike, of_position: str = "") -> Array:
     return _floats(pose, (4, 4), "a pose is a pinocchio.SE3, a 4 x 4 array or a geometry_msgs pose", of_position)
 
 
+def as_target(pose: PoseLike) -> Array:
+    """The same of a target that may be lost: for a message whose figures are no pose, what is no rigid transform.
+
+    Raises:
+        InvalidPose: nothing like a pose.
+    """
+    if not isinstance(pose, np.ndarray | pin.SE3):
+        try:
+            pose_matrix(pose)
+        except InvalidPose:
+            return np.full((4, 4), np.nan)
+    return as_matrix(pose, OR_FREE)
+
+
 def as_matrices(poses: Any) -> Array:
     """Many poses as an (N, 4, 4) array; a list of `pinocchio.SE3` or of messages will do, and so will a PoseArray.
 

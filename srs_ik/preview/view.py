@@ -49,7 +49,7 @@ class Preview:
 
     Args:
         arm: the arm; it is shown in the middle of its ranges, the elbow bent, until `show` says otherwise.
-        package_dirs: a folder, or several, to search for meshes before all others: packages, or folders that hold packages.
+        package_dirs: a folder, or several, to search for meshes first: packages, or folders that hold packages.
         port: of the page; 0 for any that is free.
 
     Attributes:

@@ -16,7 +16,7 @@ from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.numbers import as_positive, per_joint, real_number
-from srs_ik.inputs.poses import OR_FREE, PoseLike, as_matrix, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix, as_target
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.objectives import PARAMS
@@ -311,7 +311,7 @@ class Tracker(Fixed):
         if pose is None:
             update(self._packed.family, self._state, self._settings, self._nowhere, 0, self._work, out)
         else:
-            T = as_matrix(pose, OR_FREE)
+            T = as_target(pose)
             update(self._packed.family, self._state, self._settings, T, 1, self._work, out)
             if out[at.STEP_REASON] == at.FORBIDDEN and self._state[at.ASKED] == at.UNKNOWN:
                 self._ask(out)
