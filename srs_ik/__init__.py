@@ -13,6 +13,13 @@ from typing import TYPE_CHECKING, Any
 from srs_ik.system.forks import WHOLE
 
 if TYPE_CHECKING:
+    from srs_ik import analysis as analysis
+    from srs_ik import control as control
+    from srs_ik import maps as maps
+    from srs_ik import paper as paper
+    from srs_ik import plots as plots
+    from srs_ik import preview as preview
+    from srs_ik import sim as sim
     from srs_ik.analysis.ellipsoids import (
         Ellipsoid,
         force_ellipsoid,
@@ -196,16 +203,20 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Import a public name from its module when it is first used."""
-    if name in NAMESPACES:
-        return import_module(f"srs_ik.{name}")
-    if name not in _HOME:
-        raise AttributeError(f"module 'srs_ik' has no attribute {name!r}")
-    with WHOLE:
-        value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # to which the names above are known, and no others
+
+    def __getattr__(name: str) -> Any:
+        """Import a public name from its module when it is first used."""
+        if name in NAMESPACES:
+            return import_module(f"srs_ik.{name}")
+        if name not in _HOME:
+            from srs_ik.errors import did_you_mean
+
+            raise AttributeError(f"module 'srs_ik' has no attribute {name!r}{did_you_mean(name, __all__)}")
+        with WHOLE:
+            value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import os
 import threading
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -17,7 +18,7 @@ from srs_ik.errors import InvalidConfiguration, InvalidRobot, SrsIkError, did_yo
 from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.messages import picked, positions_by_name
-from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.poses import PoseError, PoseLike, as_rigid_matrix
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.locked import configuration_of
@@ -105,25 +106,29 @@ class ChainKinematics(Fixed):
 
     def _whole(self, model: Any, others: ArrayLike | None) -> Array:
         """A configuration of a whole robot that its caller may write into."""
-        known = {name: model.joints[k] for k, name in enumerate(model.names)}
         if others is None:
+            known = set(model.names)
             return configuration_of(model, {name: x for name, x in self._locked.items() if name in known})
         whole = _finite(others, model)
+        for said in self._elsewhere(model, whole):
+            raise InvalidConfiguration(said)
+        return whole
+
+    def _elsewhere(self, model: Any, whole: Array) -> Iterator[str]:
+        """What is said of joints between base and tip that are elsewhere in a whole robot than the arm has them."""
+        known = {name: model.joints[k] for k, name in enumerate(model.names)} if self._between else {}
         for name, at in self._between.items():
             joint = known.get(name)
-            if joint is None or joint.nq != len(at):
-                continue
-            there = whole[joint.idx_q : joint.idx_q + joint.nq]
-            if np.abs(there - at).max(initial=0.0) > _ELSEWHERE:
-                where = f"at {there[0]:g}, not at {at[0]:g}" if len(at) == 1 else "elsewhere"
-                raise InvalidConfiguration(
-                    f"joint {name!r}, between base and tip, is {where} where the arm has it; load takes its position "
-                    "as locked={joint: position}"
-                )
-        return whole
+            if joint is not None and joint.nq == len(at):
+                said = _elsewhere(name, whole[joint.idx_q : joint.idx_q + joint.nq], at)
+                if said:
+                    yield said
 
     def angles(self, configuration: ArrayLike, model: Any = None) -> Array:
         """7 joint angles of a configuration (model.nq,) of Pinocchio; those of continuous joints in [-pi, pi].
+
+        A warning says where a joint between base and tip is elsewhere than the arm has it: the tip is not where
+        `forward_kinematics` says, then.
 
         Args:
             configuration: of the model.
@@ -134,6 +139,8 @@ class ChainKinematics(Fixed):
         """
         joints = self._joints if model is None else self._joints_in(model)
         values = _finite(configuration, self.model if model is None else model)
+        for said in self._elsewhere(model, values) if model is not None else ():
+            warnings.warn(said, UserWarning, stacklevel=2)
         return np.array(
             [values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q]) for j in joints]
         )
@@ -156,6 +163,8 @@ class ChainKinematics(Fixed):
     def joint_vector(self, state: Any) -> Array:
         """7 joint angles out of a joint state, by the names of the joints; other joints in it are left out.
 
+        A warning says where one of these is between base and tip, and elsewhere than the arm has it.
+
         Args:
             state: a mapping from joint names to angles, such as `Solution.as_dict` gives, or an object with the fields
                 `name` and `position`, such as a JointState of sensor_msgs; rad.
@@ -163,7 +172,13 @@ class ChainKinematics(Fixed):
         Raises:
             InvalidConfiguration: one of the 7 joints is missing, or its angle is no finite number.
         """
-        return as_joint_vector(picked(positions_by_name(state), self.joint_names), "the joint state")
+        positions = positions_by_name(state)
+        q = as_joint_vector(picked(positions, self.joint_names), "the joint state")
+        for name in self._between.keys() & positions.keys():
+            said = _elsewhere(name, np.array([real_number(positions[name])]), self._between[name])
+            if said:
+                warnings.warn(said, UserWarning, stacklevel=2)
+        return q
 
     def forward_kinematics(self, q: ArrayLike) -> pin.SE3:
         """Pose of the tip frame in the base frame.
@@ -245,6 +260,17 @@ class ChainKinematics(Fixed):
         if not hasattr(local, "data"):
             local.data = self.model.createData()
         return local.data
+
+
+def _elsewhere(name: str, there: Array, at: Sequence[float]) -> str:
+    """What is wrong where a joint between base and tip is elsewhere than the arm has it; empty where nothing is."""
+    if np.abs(there - at).max(initial=0.0) <= _ELSEWHERE:
+        return ""
+    where = f"at {there[0]:g}, not at {at[0]:g}" if len(at) == 1 else "elsewhere"
+    return (
+        f"joint {name!r}, between base and tip, is {where} where the arm has it; load takes its position as "
+        "locked={joint: position}"
+    )
 
 
 def _finite(configuration: ArrayLike, model: Any) -> Array:

@@ -1,5 +1,7 @@
 """Many configurations at once, and the configuration of a whole robot: against Pinocchio on the whole file."""
 
+import warnings
+
 import arms
 import numpy as np
 import pinocchio as pin
@@ -141,3 +143,25 @@ def test_a_whole_robot_that_does_not_fit_is_refused():
         sliding.addJoint(k, pin.JointModelPZ(), pin.SE3.Identity(), joint_name)
     with pytest.raises(InvalidConfiguration, match=r"'left_joint_1' .* does not turn about one axis"):
         arm.configuration(q, sliding)
+
+
+def test_a_joint_that_is_elsewhere_is_told_of():
+    """A waist between base and tip that turns: the seven angles are right, and the tip is elsewhere."""
+    links = "".join(f'<link name="{name}"/>' for name in ("root", "chest"))
+    robot = srs_ik.load("iiwa14").drawing.file.read_text()
+    waist = '<joint name="waist" type="revolute"><parent link="root"/><child link="chest"/><axis xyz="0 0 1"/>'
+    waist += '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+    mount = '<joint name="mount" type="fixed"><parent link="chest"/><child link="iiwa_link_0"/></joint>'
+    text = robot.replace("</robot>", f"{links}{waist}{mount}</robot>")
+    arm = srs_ik.load(text, base="root", tip="iiwa_link_ee")
+    model = pin.buildModelFromXML(text)
+    whole = pin.neutral(model)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.allclose(arm.angles(whole, model), 0.0)
+    whole[model.joints[model.getJointId("waist")].idx_q] = 0.4
+    with pytest.warns(UserWarning, match=r"'waist', between base and tip, is at 0\.4, not at 0"):
+        arm.angles(whole, model)
+    state = {**dict.fromkeys(arm.joint_names, 0.1), "waist": 0.4}
+    with pytest.warns(UserWarning, match="'waist'"):
+        assert np.allclose(arm.joint_vector(state), 0.1)

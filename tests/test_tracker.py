@@ -4,6 +4,8 @@ Limits are checked on differences of the joint angles that come out, and tips by
 """
 
 from copy import deepcopy
+from threading import Thread
+from types import SimpleNamespace
 
 import arms
 import numpy as np
@@ -492,3 +494,38 @@ def test_who_starts_outside_the_limits_is_told_what_is_inside():
     with pytest.raises(InvalidConfiguration, match=r"np\.clip\(q0, arm\.lower, arm\.upper\)"):
         arm.tracker(past, 0.002)
     assert arm.tracker(np.clip(past, arm.lower, arm.upper), 0.002).update(None).status == "HELD"
+
+
+def test_threads_that_share_a_tracker_wait_for_each_other():
+    arm = load("iiwa14")
+    tracker = arm.tracker([0.1] * 7, 0.01)
+    T = arm.forward_kinematics([0.4] * 7).homogeneous
+    steps = []
+
+    def follow():
+        for _ in range(200):
+            steps.append(tracker.update(T).q)
+            tracker.reconfigure()
+
+    threads = [Thread(target=follow) for _ in range(4)]
+    for each in threads:
+        each.start()
+    for each in threads:
+        each.join()
+    assert len(steps) == 800
+    assert np.isfinite(steps).all()
+    assert tracker.update(T)
+    again = deepcopy(tracker)
+    assert np.array_equal(again.update(T).q, tracker.update(T).q)
+
+
+@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0, 0.0), (np.nan, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 2.0)])
+def test_a_message_without_a_pose_is_a_lost_target(turn):
+    tracker = load("iiwa14").tracker([0.1] * 7, 0.002)
+    position = SimpleNamespace(x=0.5, y=0.1, z=0.5)
+    message = SimpleNamespace(position=position, orientation=SimpleNamespace(**dict(zip("xyzw", turn, strict=True))))
+    step = tracker.update(message)
+    assert step.status == "HELD"
+    assert step.message.startswith("No pose")
+    with pytest.raises(InvalidPose):
+        tracker.update(SimpleNamespace(position=position))

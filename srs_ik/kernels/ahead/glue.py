@@ -49,15 +49,18 @@ def header(entries: Sequence[Entry]) -> str:
     return "\n".join([*lines, "#ifdef __cplusplus", "}", "#endif", "#endif", ""])
 
 
-def _places() -> list[tuple[str, str, int | float]]:
-    """Places and sizes of what travels in arrays, from `layout`."""
-    found: list[tuple[str, str, int | float]] = []
+_LARGEST = 2**53
+"""Whole numbers from here on are no integers of C."""
+
+
+def _places() -> list[tuple[str, str, float]]:
+    """Places and sizes of what travels in arrays, from `layout`: whole numbers, but for those too large for one."""
+    found = []
     for each in iter_modules(layout.__path__):
         for name, value in vars(importlib.import_module(f"{layout.__name__}.{each.name}")).items():
             if name.isupper() and not name.startswith("_") and isinstance(value, (int, float)):
                 if float(value).is_integer():
-                    # C has no whole numbers beyond 64 bits.
-                    found.append((each.name.upper(), name, int(value) if abs(value) < 2**63 else float(value)))
+                    found.append((each.name.upper(), name, int(value) if abs(value) < _LARGEST else float(value)))
     return found
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from copy import copy
 from enum import StrEnum
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -191,6 +192,8 @@ class Tracker(Fixed):
     ) -> None:
         packed, owner = arm
         self._packed, self._arm = packed, owner
+        # One update at a time, whoever asks.
+        self._one = RLock()
         velocity, acceleration, jerk = bounds
         self.dt = as_positive(dt, "dt", "seconds")
         if not SHORTEST_PERIOD <= self.dt <= LONGEST_PERIOD:
@@ -275,7 +278,10 @@ class Tracker(Fixed):
         Raises:
             InvalidConfiguration: not 7 finite angles, or one outside its limits.
         """
-        q = as_joint_vector(q0, "q0")
+        with self._one:
+            self._reset(as_joint_vector(q0, "q0"))
+
+    def _reset(self, q: Array) -> None:
         outside = np.maximum(self._packed.lower - q, q - self._packed.upper)
         if outside.max() > 0.0:
             joint = int(outside.argmax())
@@ -305,6 +311,10 @@ class Tracker(Fixed):
         Raises:
             InvalidPose: nothing like a pose: another shape, or no numbers.
         """
+        with self._one:
+            return self._update(pose)
+
+    def _update(self, pose: PoseLike | None) -> TrackerStep:
         out = np.empty(at.STEP)
         if self._choose is not None:
             self._choose_elbow(self._choose)
@@ -396,14 +406,15 @@ class Tracker(Fixed):
         Raises:
             InvalidPose: no finite rigid transform, or none given and no target yet.
         """
-        T = self._target() if pose is None else as_rigid_matrix(pose)
-        if self.free_axis is None:
-            found = solve(self._packed, T, seed=self.q)
-        else:
-            found = solve_free(self._packed, T, self.free_axis, self.q, True)
-        if found:
-            self._go_to(found.q)
-        return found
+        with self._one:
+            T = self._target() if pose is None else as_rigid_matrix(pose)
+            if self.free_axis is None:
+                found = solve(self._packed, T, seed=self.q)
+            else:
+                found = solve_free(self._packed, T, self.free_axis, self.q, True)
+            if found:
+                self._go_to(found.q)
+            return found
 
     def _target(self) -> Array:
         if not self._state[at.STARTED]:
@@ -416,11 +427,11 @@ class Tracker(Fixed):
     def __getstate__(self) -> dict[str, Any]:
         """What a copy begins with: an update writes in place, and must not move another tracker."""
         own = {name: vars(self)[name].copy() for name in ("_state", "_settings", "_work")}
-        return {**vars(self), **own, "_jerk": copy(self._jerk)}
+        return {**vars(self), **own, "_jerk": copy(self._jerk), "_one": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """A copy's limits are fixed, too: NumPy forgets that of arrays that are copied."""
-        self.__dict__.update(state)
+        self.__dict__.update(state, _one=RLock())
         for limits in (self.velocity_limit, self.acceleration_limit, self.jerk_limit):
             if limits is not None:
                 _kept(limits)
