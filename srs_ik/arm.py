@@ -72,7 +72,8 @@ class Arm(BodyOwner):
     """
 
     _fixed = BodyOwner._fixed | {"limb", "hand", "drawing", "plan", "packed"}
-    _instead = "with_tool and with_base give another arm, and an adapter corrects its limits"
+    _closed = True
+    _instead = "with_tool and with_base give another arm, and load(limits={...}) one with other limits"
 
     def __init__(
         self,

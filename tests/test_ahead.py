@@ -67,6 +67,22 @@ def test_the_header_is_plain_c_and_cpp(tmp_path, language):
     subprocess.run(command, cwd=tmp_path, check=True)
 
 
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+def test_figures_of_the_header_are_those_of_the_layouts(tmp_path):
+    (tmp_path / "srs_ik.h").write_text(glue.header(read_table()))
+    names = ["ANSWER_FARTHEST", "SEARCH_REFUSED", "PATH_IMPOSSIBLE", "ANSWER_ROW", "ANSWER_TOO_FAR"]
+    values = ", ".join(f"(double)SRS_IK_{name}" for name in names)
+    (tmp_path / "user.c").write_text(
+        '#include "srs_ik.h"\n#include <stdio.h>\n'
+        f"int main(void) {{ double all[] = {{{values}}};"
+        f'for (int i = 0; i < {len(names)}; i++) printf("%.17g ", all[i]); }}'
+    )
+    subprocess.run(["cc", "-Wall", "-Wpedantic", "-Werror", "user.c", "-o", "user"], cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "user"], capture_output=True, text=True, check=True).stdout.split()
+    layouts = {name: import_module(f"srs_ik.kernels.layout.{name.split('_')[0].lower()}") for name in names}
+    assert [float(x) for x in said] == [getattr(layouts[name], name.partition("_")[2]) for name in names]
+
+
 def numba_kind(kind) -> str:
     """A type as Numba compiled for it, without what makes no other code: whether an array may be written to."""
     from numba import types

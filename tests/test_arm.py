@@ -10,7 +10,7 @@ import pytest
 from oracles import TURN, distance, random_angles, wrapped
 
 import srs_ik
-from srs_ik.control import TorqueController
+from srs_ik.control import ForceProfile, FractalImpedance, TorqueController, baselines
 
 
 @pytest.mark.parametrize("name", arms.EVERY)
@@ -133,10 +133,44 @@ def test_limits_cannot_be_changed_behind_the_solver():
         with pytest.raises(ValueError, match="read-only"):
             figures[0] = 9.0
     for name in ("lower", "joint_names", "model", "limb", "tip"):
-        with pytest.raises(AttributeError, match=f"Arm.{name} cannot be changed: with_tool and with_base give another"):
+        with pytest.raises(
+            AttributeError, match=f"Arm.{name} cannot be changed: with_tool and with_base give another"
+        ) as told:
             setattr(arm, name, None)
-    for note in ("mine", "mine still"):
-        arm.note = note
+        assert "load(limits={...})" in str(told.value)
+
+
+def test_an_arm_takes_no_attribute_that_it_does_not_have():
+    arm = arms.load("iiwa14")
+    with pytest.raises(AttributeError, match=r"Arm has no attribute 'joint_name' \(did you mean 'joint_names'"):
+        arm.joint_name = ("a",)
+
+    class Noted(srs_ik.Arm):
+        """A class of one's own may have more."""
+
+    mine = Noted.__new__(Noted)
+    mine.note = "mine"
+    for each in (copy.deepcopy(arm), pickle.loads(pickle.dumps(arm)), arm.with_tool(np.eye(4))):
+        assert each.solve(each.forward_kinematics(np.full(7, 0.1)))
+
+
+def test_a_position_is_told_of_free_axis_where_there_is_one():
+    arm, point = arms.load("iiwa14"), [0.5, 0.0, 0.5]
+    tracker, scene = arm.tracker(np.full(7, 0.1), 0.01), srs_ik.Scene()
+    for call in (arm.solve, lambda T: arm.solve(T, scene=scene), tracker.update):
+        with pytest.raises(srs_ik.InvalidPose, match=r"makes one, whose rotation free_axis='any' leaves free$"):
+            call(point)
+    hold = TorqueController(arm, [FractalImpedance("tip", ForceProfile.tanh(1000.0, 60.0))])
+    for call in (
+        arm.solve_all,
+        arm.intervals,
+        hold.set_target,
+        baselines.JointImpedance(arm).set_target,
+        lambda T: arm.optimise(T, "manipulability"),
+        lambda T: scene.add_box("box", T, [0.1, 0.1, 0.1]),
+    ):
+        with pytest.raises(srs_ik.SrsIkError, match=r"pose_from_xyz_rpy\(xyz, rpy\) makes one$"):
+            call(point)
 
 
 def test_only_what_a_tracker_looks_at_can_be_set():

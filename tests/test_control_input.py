@@ -227,3 +227,69 @@ def test_arrays_of_other_things_than_figures_are_no_joint_angles(wrong):
     for given in ((wrong, np.zeros(7)), (np.zeros(7), wrong)):
         with pytest.raises(srs_ik.InvalidConfiguration):
             controller.torque(*given)
+
+
+TWICE = [FractalImpedance("tip", PROFILE), FractalImpedance("tip", ForceProfile.tanh(500.0, 30.0))]
+UNHELD = {
+    "two ports of one place": (lambda: TorqueController(arm(), TWICE), "2 ports are on 'tip': a place has one"),
+    "an arm angle": (lambda: on("tip", "orientation").set_target(home(), 0.3), "no port on 'elbow' or 'arm_angle'"),
+    "a point of the elbow": (lambda: on("tip", "arm_angle").set_elbow([0.1, 0.1, 0.1]), "no port on 'elbow'"),
+    "a pose": (lambda: on().set_target(home()), "no port that would hold a pose"),
+    "a task": (lambda: on().set_task(task()), "no port that would hold a task"),
+    "a posture": (lambda: on().set_posture(HOME), "no port that would hold a posture"),
+}
+
+
+def on(*places, **options):
+    return TorqueController(arm(), [FractalImpedance(place, PROFILE) for place in places], **options)
+
+
+@pytest.mark.parametrize("what", UNHELD)
+def test_targets_that_nothing_would_hold_are_refused(what):
+    call, message = UNHELD[what]
+    with pytest.raises(srs_ik.InvalidController, match=message):
+        call()
+
+
+def test_an_arm_angle_is_held_by_a_port_on_it_or_on_the_elbow():
+    for place in ("elbow", "arm_angle"):
+        assert on(place).set_target(home(), 0.3).arm_angle == pytest.approx(0.3, abs=1e-9)
+
+
+def test_an_arm_without_masses_is_told_how_its_weight_is_left_alone():
+    weightless = arms.load("made_near")
+    with pytest.raises(srs_ik.InvalidController, match=r"no masses; .*pass gravity=False"):
+        TorqueController(weightless, [FractalImpedance("tip", PROFILE)])
+    TorqueController(weightless, [FractalImpedance("tip", PROFILE)], gravity=False)
+
+
+def test_readings_of_joints_name_them():
+    made = on("tip", limits=True, speeds=True)
+    made.torque(HOME, np.zeros(7))
+    names = list(arm().joint_names)
+    assert [(port.on, port.joint) for port in made.readings] == [
+        ("tip", None),
+        *(("joint_limit", name) for name in names),
+        *(("joint_speed", name) for name in names),
+    ]
+    # gen3 has limits at joints 2, 4 and 6 alone; each reading is of the joint whose angle is in the zone.
+    gen3 = arms.load("gen3")
+    made = TorqueController(gen3, [], gravity=False, limits=True)
+    q = np.zeros(7)
+    q[3] = gen3.upper[3] - 0.01
+    made.torque(q, np.zeros(7))
+    bounded = [name for name, upper in zip(gen3.joint_names, gen3.upper, strict=True) if np.isfinite(upper)]
+    assert [port.joint for port in made.readings] == bounded
+    assert [port.joint for port in made.readings if np.any(port.force)] == [gen3.joint_names[3]]
+
+
+def test_controllers_and_readings_are_told_in_a_line():
+    made = on("tip", "elbow", limits=True)
+    assert repr(made) == "TorqueController(iiwa14: tip, elbow, joint limits, weight)"
+    made.torque(HOME, np.zeros(7))
+    assert [repr(port).split(":")[0] for port in made.readings[:3]] == [
+        "PortReading(tip",
+        "PortReading(elbow",
+        f"PortReading(joint_limit of {arm().joint_names[0]}",
+    ]
+    assert all(len(repr(port)) < 200 for port in made.readings)

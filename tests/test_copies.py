@@ -13,6 +13,7 @@ from numba.core.dispatcher import Dispatcher
 
 import srs_ik
 from srs_ik import Task
+from srs_ik.control import TorqueController
 
 COPIES = {
     "pickled": lambda thing: pickle.loads(pickle.dumps(thing)),
@@ -164,3 +165,29 @@ def assert_goes_on_alike(arm, q, how, **options):
     for limit in (other.velocity_limit, other.acceleration_limit):
         with pytest.raises(ValueError, match="read-only"):
             limit[0] = 1.0
+
+
+def tuples_of_arrays():
+    arm, q = srs_ik.load("iiwa14"), np.full(7, 0.3)
+    controller = TorqueController(arm, [], limits=True)
+    path = arm.solve_path([arm.forward_kinematics(q), arm.forward_kinematics(q + 0.1)], seed=q, dt=1.0)
+    return {
+        "centres": arm.centres(q),
+        "solution_derivatives": arm.solution_derivatives(q),
+        "samples": path.trajectory().sample(0.5),
+        "readings": controller.readings[0],
+    }
+
+
+@pytest.mark.parametrize("name", ["centres", "solution_derivatives", "samples", "readings"])
+def test_tuples_of_arrays_are_equal_to_themselves_alone(name):
+    mine, other = (tuples_of_arrays()[name] for _ in range(2))
+    assert mine == mine
+    assert mine != other
+    assert not mine == other  # noqa: SIM201
+    assert {mine: "mine", other: "other"}[mine] == "mine"
+    assert mine in [other, mine]
+    first, *_ = mine
+    assert first is mine[0]
+    for kept, value in zip(pickle.loads(pickle.dumps(mine)), mine, strict=True):
+        np.testing.assert_array_equal(kept, value)

@@ -239,6 +239,9 @@ def test_a_batch_is_the_single_answers():
         ):
             many = build(J, limit, part).in_axes(R)
             assert len(many) == len(list(many)) == len(qs)
+            assert many
+            assert many[0]
+            assert not build(J[:0], limit, part)
             assert f"{len(qs)} Ellipsoids" in repr(many)
             for i, one in enumerate(many):
                 alone = build(J[i], limit, part).in_axes(R[i])

@@ -248,7 +248,7 @@ def test_a_store_of_another_robot_is_refused(made):
         open_map(chart.path, other)
     with pytest.raises(srs_ik.InvalidMap, match="map of another robot"):
         build_map(other, 0.15, chart.path, orientations=144, measures=["margin"])
-    with pytest.raises(srs_ik.InvalidMap, match="another grid"):
+    with pytest.raises(srs_ik.InvalidMap, match=r"another grid \(step 0\.15, not 0\.2; .*shape \["):
         build_map(arm, 0.2, chart.path, orientations=144, measures=["margin"])
     with pytest.raises(srs_ik.InvalidMap, match="with other measures: give"):
         build_map(arm, 0.15, chart.path, orientations=144)
@@ -304,6 +304,33 @@ def test_exports_hold_what_the_map_holds(made, tmp_path):
     for point, value in zip(points[::50], share[::50], strict=True):
         x, y, z = np.rint((point - origin) / spacing).astype(int)
         assert values[z, y, x] == pytest.approx(value, abs=1e-6)
+
+
+def test_a_map_is_written_to_no_folder_that_is_not_there(made, tmp_path):
+    pytest.importorskip("h5py")
+    chart, _ = made
+    for write, name in ((to_numpy, "m.npz"), (to_vtk, "m.vti"), (to_reuleaux, "m.h5")):
+        with pytest.raises(srs_ik.InvalidMap, match=f"{name} cannot be written: there is no folder"):
+            write(chart, tmp_path / "none" / name, *([0.5] if write is to_reuleaux else []))
+
+
+def test_answers_of_maps_are_told_in_a_line(made):
+    chart, _ = made
+    found = chart.query(np.tile(np.eye(4), (200, 1, 1)))
+    assert repr(found) == f"MapAnswer(200 poses, 0 reached, measures {', '.join(chart.plan.measures)})"
+    assert repr(compare(chart, chart)).startswith("Compared(both=0.")
+    assert len(repr(compare(chart, chart))) < 100
+
+
+def test_candidates_are_ranked_in_a_list_best_first():
+    arm = arms.load("iiwa14")
+    candidates = [srs_ik.pose_from_xyz_rpy([x, 0.0, 0.0], [0.0, 0.0, 0.0]) for x in (3.0, 0.1)]
+    ranked = srs_ik.base_placement(arm, [arm.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])], candidates)
+    assert ranked[0].candidate == 1
+    assert [ranked[k] for k in range(len(ranked))] == list(ranked)
+    assert ranked[-1].candidate == 0
+    with pytest.raises(IndexError):
+        ranked[2]
 
 
 def test_a_file_of_reuleaux_is_read_as_its_programs_read_it(made, tmp_path):

@@ -247,6 +247,7 @@ def test_a_path_solution_is_played(view, arm):
         (lambda v: v.show_obstacles(trimesh.creation.box()), srs_ik.InvalidScene, "a list of trimesh.Trimesh"),
         (lambda v: v.save("/no/such/folder/x.html"), srs_ik.PreviewError, "no folder"),
         (lambda v: v.save("/"), srs_ik.PreviewError, "is a folder"),
+        (lambda v: v.save("motion.mp4"), srs_ik.PreviewError, "such as scene.html, not 'motion.mp4'"),
         (lambda v: v.save(3), srs_ik.PreviewError, "such as scene.html, not 3"),
     ],
 )

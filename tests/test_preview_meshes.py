@@ -192,6 +192,27 @@ def test_without_any_shape_there_is_a_skeleton(package):
         assert len(Scene(view).solids("robot")) > 7
 
 
+def test_folders_are_one_or_several_and_there(package, tmp_path):
+    urdf = package / "urdf" / "arm.urdf"
+    urdf.write_text(with_mesh("package://models/link.stl"))
+    (tmp_path / "models").mkdir()
+    trimesh.creation.box([0.1, 0.2, 0.3]).export(tmp_path / "models" / "link.stl")
+    arm = srs_ik.load(urdf)
+    for folders in (str(tmp_path / "models"), tmp_path / "models", [str(tmp_path / "models")]):
+        with Preview(arm, package_dirs=folders) as view:
+            assert view.missing == []
+        assert arm.with_bodies(folders).plan.folders == (str(tmp_path / "models"),)
+    for wrong in ("/nope", ["/nope"], [str(tmp_path), urdf]):
+        for take in (arm.with_bodies, lambda folders: Preview(arm, package_dirs=folders)):
+            with pytest.raises(
+                srs_ik.InvalidRobot, match=r"there is no folder '.*(nope|arm\.urdf)' to search for meshes"
+            ):
+                take(wrong)
+    for wrong in (7, [7], None):
+        with pytest.raises(srs_ik.InvalidRobot, match="a path or a list of paths, not "):
+            arm.with_bodies(wrong)
+
+
 def test_faulty_shapes_are_left_out_and_said():
     shapes = (
         '<visual><geometry><box size="1 2"/></geometry></visual>'

@@ -428,7 +428,11 @@ def test_millimetres_are_noticed(tmp_path, arm, recwarn):
     ):
         with pytest.warns(UserWarning, match=said):
             add()
+    with pytest.warns(UserWarning, match="the box 'table' is in metres, and 800 m long: are these millimetres"):
+        srs_ik.Scene().add_box("table", np.eye(4), [600, 800, 50])
     recwarn.clear()
+    srs_ik.Scene().add_box("floor", np.eye(4), [100.0, 100.0, 0.1])
+    srs_ik.Scene().add_box("table", np.eye(4), [0.6, 0.8, 0.05])
     srs_ik.Scene().add_mesh("beam", np.eye(4), stl, scale=0.001)
     srs_ik.Scene.from_file(tmp_path / "scaled.json")
     held = arm.with_object("beam", np.eye(4), file=stl, scale=0.001).plan.held[-1]

@@ -142,3 +142,39 @@ def test_a_replay_needs_a_path_and_a_rate(tmp_path):
     with pytest.raises(srs_ik.InvalidPose):
         record().replay(tmp_path / "page.html", target="nonsense")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_replay_is_a_page_and_no_video(tmp_path):
+    with pytest.raises(srs_ik.PreviewError, match=r"such as scene.html, not .*motion\.mp4"):
+        record().replay(tmp_path / "motion.mp4")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("start", [0.002, 9.0])
+def test_a_push_that_never_begins_is_refused(start):
+    with pytest.raises(srs_ik.InvalidController, match=r"a push begins at .* when the simulation of 0.002 s is over"):
+        pushed(on="tip", force=[1.0, 0.0, 0.0], start=start, duration=0.3)
+    with pytest.raises(srs_ik.InvalidController, match="start of a push"):
+        pushed(on="tip", force=[1.0, 0.0, 0.0], start=-start, duration=0.3)
+
+
+def test_a_controller_of_another_robot_is_refused():
+    other = arms.load("gen3")
+    hold = TorqueController(other, [])
+    with pytest.raises(srs_ik.InvalidController, match="the plant is 'iiwa14' and the controller is of 'gen3'"):
+        simulate(plant(), hold, 0.002)
+    # Joints of the same names do not make it one.
+    same_names = arms.load("made_offsets")
+    assert same_names.joint_names == other.joint_names
+    with pytest.raises(srs_ik.InvalidController, match="another robot"):
+        simulate(Plant(same_names), hold, 0.002)
+    # Another tool does not make it another one.
+    tool = np.eye(4)
+    tool[2, 3] = 0.1
+    simulate(plant(), TorqueController(arm().with_tool(tool), []), 0.002)
+
+
+def test_plants_and_records_are_told_in_a_line():
+    made = Plant(arm(), World(walls=(Wall([0, 0, -1], [0, 0, 1]),), payload=Payload(1.0)))
+    assert repr(made) == "Plant(iiwa14, 1 wall, payload, at 0 s)"
+    assert repr(record()) == "Record(iiwa14: 8 samples, to 0.00175 s)"

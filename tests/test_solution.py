@@ -289,7 +289,8 @@ def test_a_status_is_equal_to_its_name_and_to_its_number(status):
     assert json.loads(json.dumps([status])) == [int(status)]
 
 
-@pytest.mark.parametrize("status", Status)
+@pytest.mark.parametrize("status", [*Status, *srs_ik.TrackerStatus])
 def test_a_status_alone_is_neither_true_nor_false(status):
-    with pytest.raises(TypeError, match=r"compare it with Status\.OK, or test the solution"):
+    of, whole = ("Status", "solution") if isinstance(status, Status) else ("TrackerStatus", "step")
+    with pytest.raises(TypeError, match=rf"compare it with {of}\.OK, or test the {whole}"):
         bool(status)

@@ -225,6 +225,17 @@ def test_wrong_arguments():
         arm.posture(Task(**GOOD | {"position": np.ones((3, 3))}), threads=0)
 
 
+def test_a_posture_is_true_where_the_hand_reaches_the_task():
+    arm = arms.load("iiwa14")
+    near, far = (Task(**GOOD | {"position": p}) for p in ([0.4, 0.1, 0.6], [4.0, 0.0, 0.0]))
+    assert arm.posture(near)
+    assert not arm.posture(far)
+    many = arm.posture(Task(**GOOD | {"position": [[0.4, 0.1, 0.6], [4.0, 0.0, 0.0]]}))
+    assert many.reached.tolist() == [True, False]
+    with pytest.raises(TypeError, match="many postures have no truth value: their reached"):
+        bool(many)
+
+
 def test_fields_are_kept_as_they_were_given():
     task = Task([0.4, 0, 0], 5 * X, [0, 0, 1e-200], grasp=[[1, 2, 3]])
     assert task.count == 1

@@ -112,6 +112,27 @@ def test_a_name_is_no_arm(case):
         assert ("load it first" in str(caught.value)) == isinstance(wrong, str) or case == "beside"
 
 
+MAPS = {
+    "cloud": maps.cloud,
+    "to_numpy": lambda chart: maps.to_numpy(chart, "never.npz"),
+    "to_vtk": lambda chart: maps.to_vtk(chart, "never.vti"),
+    "to_reuleaux": lambda chart: maps.to_reuleaux(chart, "never.h5"),
+    "plot_map": plots.plot_map,
+    "plot_shell": plots.plot_shell,
+    "show_map": lambda chart: preview.show_map(None, chart),
+}
+
+
+@pytest.mark.parametrize("case", MAPS)
+def test_a_folder_is_no_map(case):
+    if case.startswith("plot") or case == "to_reuleaux":
+        pytest.importorskip("matplotlib" if case.startswith("plot") else "h5py")
+    for wrong in ("map.zarr", None, Odd(), 7):
+        with pytest.raises(srs_ik.InvalidMap, match="a map is what build_map or open_map gives, not ") as caught:
+            MAPS[case](wrong)
+        assert ("open it first" in str(caught.value)) == isinstance(wrong, str)
+
+
 def test_an_opened_map_takes_an_arm_and_a_scene_or_none(tmp_path, arm):
     pytest.importorskip("zarr")
     srs_ik.build_map(arm, 0.4, tmp_path / "map.zarr", orientations=24)

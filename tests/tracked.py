@@ -10,6 +10,8 @@ import pinocchio as pin
 from motions import KINDS, motion, off_target, within
 from scipy.optimize import least_squares
 
+from srs_ik import TrackerStatus
+
 BEYOND = 1e-9
 """What limits may be passed by, rad, rad/s and rad/s^2: rounding."""
 
@@ -68,7 +70,7 @@ def limits_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
         steps = [tracker.update(T) for T in moving.given]
         q = np.array([step.q for step in steps])
         nan += int((~np.isfinite(q)).any(axis=1).sum())
-        mute += sum(1 for step in steps if not (step.status and step.message))
+        mute += sum(1 for step in steps if not (step.status in TrackerStatus and step.message))
         worst = np.maximum(worst, passed(arm, moving.q0, q, (tracker.velocity_limit, tracker.acceleration_limit), dt))
         position, angle = off_target(arm.forward_kinematics, q, moving.true)
         on += float(((position < NEAR_TARGET[0]) & (angle < NEAR_TARGET[1])).sum())

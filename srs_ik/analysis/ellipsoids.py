@@ -122,6 +122,9 @@ class Ellipsoid:
         blocks = [R.swapaxes(-1, -2) @ self.axes[..., rows, :] for rows in _halves(self.axes.shape[-1])]
         return replace(self, axes=np.concatenate(blocks, axis=-2))
 
+    def __bool__(self) -> bool:
+        return self.radii.ndim == 1 or len(self) > 0
+
     def __len__(self) -> int:
         if self.radii.ndim == 1:
             raise TypeError("this is one ellipsoid, not a sequence of them")

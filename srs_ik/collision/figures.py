@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from srs_ik.errors import InvalidPose, InvalidScene, quoted
+from srs_ik.errors import InvalidPose, InvalidScene, quoted, warn_caller
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.system.arrays import Array
@@ -20,6 +21,9 @@ MOST_POINTS = 2_000_000
 
 _WIDE = 30.0
 """A mesh that is wider than this, m, is taken for one in millimetres: a hall is no larger, a cup is 80 mm."""
+
+_THICK = 1.0
+"""A box that is wider than that and nowhere thinner than this, m, is no floor."""
 
 
 def as_margin(value: Any) -> float:
@@ -88,6 +92,12 @@ def as_points(points: Any, name: str) -> Array:
     if not (np.abs(cloud) <= LARGEST).all():
         raise InvalidScene(f"points of {quoted(name)} must be finite and no farther away than {LARGEST:g} m")
     return cloud
+
+
+def warn_of_a_large_box(edges: Sequence[float], name: str) -> None:
+    """Warn, naming it, of a box with these edges, m, that looks like one in millimetres."""
+    if max(edges) > _WIDE and min(edges) >= _THICK:
+        warn_caller(f"the box {quoted(name)} is in metres, and {max(edges):.4g} m long: are these millimetres?")
 
 
 def warn_of_millimetres(vertices: Array, name: str) -> None:

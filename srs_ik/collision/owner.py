@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidScene, quoted
 from srs_ik.kinematics import ChainKinematics
+from srs_ik.meshes.folders import folders_of
 from srs_ik.system.forks import WHOLE
 from srs_ik.system.waiting import said_if_long
 
@@ -66,7 +67,7 @@ class BodyOwner(ChainKinematics):
 
     def with_bodies(
         self,
-        folders: Sequence[str | Path] = (),
+        folders: str | Path | Sequence[str | Path] = (),
         spheres: str | Path | Mapping[str, ArrayLike] | None = None,
         srdf: str | Path | None = None,
         keep: Iterable[tuple[str, str]] = (),
@@ -75,13 +76,16 @@ class BodyOwner(ChainKinematics):
         """This arm with bodies found in another way. The arm itself stays as it is.
 
         Args:
-            folders: folders to search for meshes.
+            folders: a folder to search for meshes, or several.
             spheres: spheres of the links in place of their shapes: a file of cuRobo (YAML) or foam (JSON), or (n, 4)
                 centres in the frame of the link and radii, m, by the names of links.
             srdf: path or text of an SRDF file; its disabled pairs are not watched, and all others are. By default the
                 one that counts already: that of `load`, if it disables any, or of an earlier call.
             keep: pairs of names that are watched in any case.
             drop: pairs of names that are not watched, on your word.
+
+        Raises:
+            InvalidRobot: there is no such folder.
         """
         from srs_ik.collision.sphere_files import as_text
 
@@ -90,7 +94,7 @@ class BodyOwner(ChainKinematics):
             file = as_text(spheres)
         else:
             file = "" if spheres is None else str(Path(spheres).absolute())
-        given = BodyPlan(tuple(map(str, folders)), file, text, _pairs(keep), _pairs(drop), self.plan.held)
+        given = BodyPlan(tuple(map(str, folders_of(folders))), file, text, _pairs(keep), _pairs(drop), self.plan.held)
         return self._planned(given)
 
     def with_object(

@@ -18,6 +18,7 @@ from srs_ik.collision.figures import (
     as_pose,
     as_positive,
     as_vector,
+    warn_of_a_large_box,
     warn_of_millimetres,
 )
 from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
@@ -137,11 +138,14 @@ class Scene(Fixed):
     def add_box(self, name: str, pose: PoseLike, size: ArrayLike) -> None:
         """Add a box about the origin of a pose; size (3,) are its edges, m.
 
+        One longer than 30 m and nowhere thinner than 1 m gets a warning: it may be in millimetres.
+
         Raises:
             InvalidScene: the name is taken, the pose is none, or an edge is not positive and finite.
         """
         what = f"size of {quoted(name)}"
         edges = tuple(as_positive(edge, what) for edge in as_vector(size, 3, what))
+        warn_of_a_large_box(edges, name)
         self._add_form(name, as_pose(pose, name), "box", edges)
 
     def add_cylinder(self, name: str, pose: PoseLike, radius: float, length: float) -> None:

@@ -83,8 +83,9 @@ class _Baseline:
             InvalidPose: the pose is no finite rigid transform.
             InvalidConfiguration: arm angle or seed are malformed.
         """
-        solution = self.arm.solve(pose, arm_angle=arm_angle, seed=seed)
-        self._T, self._q, self._aimed = as_rigid_matrix(pose), solution.q, True
+        T = as_rigid_matrix(pose)
+        solution = self.arm.solve(T, arm_angle=arm_angle, seed=seed)
+        self._T, self._q, self._aimed = T, solution.q, True
         return solution
 
     def set_posture(self, q: ArrayLike) -> None:

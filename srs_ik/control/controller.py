@@ -17,7 +17,7 @@ from srs_ik.inputs.control import flag, seven_positive, thing, things, vector
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
-from srs_ik.system.arrays import Array
+from srs_ik.system.arrays import Array, equal_to_itself
 
 if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
@@ -26,10 +26,8 @@ if TYPE_CHECKING:
 
 Usual = TypeVar("Usual", JointLimits, JointSpeeds)
 
-MOST_PORTS = 32
-"""Ports of a controller; six and the joint limits are usual."""
 
-
+@equal_to_itself
 class PortReading(NamedTuple):
     """What a port did in the last tick."""
 
@@ -50,6 +48,13 @@ class PortReading(NamedTuple):
     """Energy of the profile at the error, J; the port gives back no more than this."""
     power: float
     """Power into the arm, with damping, W."""
+    joint: str | None
+    """Name of the joint, of a joint limit or a brake."""
+
+    def __repr__(self) -> str:
+        error, force = (np.array2string(values, precision=4) for values in (self.error, self.force))
+        where = self.on if self.joint is None else f"{self.on} of {self.joint}"
+        return f"PortReading({where}: error {error}, force {force}, {self.energy:.3g} J, {self.power:.3g} W)"
 
 
 class TorqueController:
@@ -63,15 +68,15 @@ class TorqueController:
 
     Args:
         arm: the arm; its masses count where `gravity` does.
-        ports: the impedances.
+        ports: the impedances, one a place at most; none to hold the weight alone.
         gravity: whether the weight of the arm is held.
         limits: repelling joint limits; True for the usual ones, None or False for none.
         max_torque: largest torque of each joint, N m, one or (7,); the arm's effort limits if not given.
         speeds: brakes on fast joints; True for those that begin at the arm's velocity limits, None or False for none.
 
     Raises:
-        InvalidController: a thing of another class, too many impedances, or torques that are none; or gravity and an
-            arm without masses.
+        InvalidController: a thing of another class, two impedances on one place, or torques that are none; or gravity
+            and an arm without masses.
     """
 
     def __init__(
@@ -87,19 +92,22 @@ class TorqueController:
         self.ports = things(ports, FractalImpedance, "ports")
         self.limits = _one_or_none(limits, JointLimits, "limits")
         self.speeds = _one_or_none(speeds, JointSpeeds, "speeds")
-        if len(self.ports) > MOST_PORTS:
-            raise InvalidController(f"a controller has at most {MOST_PORTS} ports, not {len(self.ports)}")
+        places = [port.on for port in self.ports]
+        for place in places:
+            if places.count(place) > 1:
+                raise InvalidController(f"{places.count(place)} ports are on {quoted(place)}: a place has one")
         if flag(gravity, "gravity"):
             try:
-                require_masses(arm, "leave out gravity=True, or load a description with inertias")
+                require_masses(arm, "load a description with inertias, or pass gravity=False")
             except InvalidTask as error:
                 raise InvalidController(str(error)) from None
         rows = [port.row() for port in self.ports]
         limits_at = self.limits.rows(arm.lower, arm.upper) if self.limits else []
         brakes = self.speeds.rows(arm.velocity_limit, arm.effort_limit) if self.speeds else []
         rows += limits_at + brakes
-        self._names: list[str] = [port.on for port in self.ports]
-        self._names += ["joint_limit"] * len(limits_at) + ["joint_speed"] * len(brakes)
+        self._names: list[tuple[str, str | None]] = [(place, None) for place in places]
+        for name, guards in (("joint_limit", limits_at), ("joint_speed", brakes)):
+            self._names += [(name, arm.joint_names[int(guard[at.JOINT])]) for guard in guards]
         self._rows = np.array(rows).reshape(-1, at.PORT)
         self._kinds = self._rows[: len(self.ports), at.KIND].copy()
         # A port without a target is a brake that begins at no speed.
@@ -123,7 +131,8 @@ class TorqueController:
 
         Args:
             pose: wanted pose of the tip frame in the base frame; also one out of reach.
-            arm_angle: rad; that of the posture that `Arm.solve` chooses, if not given.
+            arm_angle: rad; that of the posture that `Arm.solve` chooses, if not given. A port on the elbow or on the
+                arm angle holds it.
             seed: (7,) posture to stay near, rad.
             restart: whether every port begins a new divergence, as after a jump; False for a target that moves on.
 
@@ -133,11 +142,14 @@ class TorqueController:
         Raises:
             InvalidPose: the pose is no finite rigid transform.
             InvalidConfiguration: arm angle or seed are malformed.
-            InvalidController: restart is neither True nor False.
+            InvalidController: restart is neither True nor False, or no port holds what is given.
         """
         flag(restart, "restart")
-        self.solution = self.arm.solve(pose, arm_angle=arm_angle, seed=seed)
+        self._require_ports("a pose")
+        if arm_angle is not None:
+            self._require_ports("an arm angle", "elbow", "arm_angle")
         T = as_rigid_matrix(pose)
+        self.solution = self.arm.solve(T, arm_angle=arm_angle, seed=seed)
         angle = self.solution.arm_angle if arm_angle is None else float(arm_angle)
         self._aim(T, self._elbow_at(self.solution.q), angle, restart)
         return self.solution
@@ -159,10 +171,11 @@ class TorqueController:
 
         Raises:
             InvalidTask: no task, several at once, or another side.
-            InvalidController: a flag is neither True nor False.
+            InvalidController: a flag is neither True nor False, or there are no ports.
         """
         flag(restart, "restart")
         flag(respect_limits, "respect_limits")
+        self._require_ports("a task")
         found = self.arm.solve_task(task, side, respect_limits, tie)
         if np.ndim(found.q) != 1:
             raise InvalidTask("a controller takes one task at a time")
@@ -176,9 +189,10 @@ class TorqueController:
 
         Raises:
             InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
-            InvalidController: restart is neither True nor False.
+            InvalidController: restart is neither True nor False, or there are no ports.
         """
         flag(restart, "restart")
+        self._require_ports("a posture")
         q = as_bounded_joint_vector(q)
         self._aim(self.arm.forward_kinematics(q).homogeneous, self._elbow_at(q), self.arm.arm_angle(q), restart)
 
@@ -186,9 +200,10 @@ class TorqueController:
         """Aim the elbow at a point (3,), m, base frame; tip and orientation keep their targets, or have none yet.
 
         Raises:
-            InvalidController: not three finite figures.
+            InvalidController: not three finite figures, or no port is on the elbow.
         """
         where = vector(point, "point of the elbow")
+        self._require_ports("a point of the elbow", "elbow")
         self._put({at.ELBOW: where})
         self.elbow_target = where
 
@@ -237,8 +252,9 @@ class TorqueController:
                 state[at.FORCE : at.FORCE + 3].copy(),
                 float(state[at.ENERGY]),
                 float(state[at.POWER]),
+                joint,
             )
-            for name, port, state in zip(self._names, self._rows, self._states, strict=True)
+            for (name, joint), port, state in zip(self._names, self._rows, self._states, strict=True)
         ]
 
     @property
@@ -255,6 +271,19 @@ class TorqueController:
     def gravity_torque(self) -> Array:
         """Torques that held the arm's weight in the last tick, (7,), N m; zero without gravity."""
         return self._work[at.WEIGHT].copy()
+
+    def __repr__(self) -> str:
+        held: list[str] = [port.on for port in self.ports]
+        held += [what for what, given in (("joint limits", self.limits), ("joint speeds", self.speeds)) if given]
+        held += ["weight"] if self._bounds[-1] else []
+        return f"TorqueController({self.arm.name}: {', '.join(held) or 'nothing'})"
+
+    def _require_ports(self, what: str, *places: str) -> None:
+        """Raise InvalidController where no port is on one of some places, or on any: nothing would hold the target."""
+        there = {port.on for port in self.ports}
+        if not (there.intersection(places) if places else there):
+            where = f" on {' or '.join(map(repr, places))}" if places else ""
+            raise InvalidController(f"the controller has no port{where} that would hold {what}")
 
     def _elbow_at(self, q: Array) -> Array:
         return self.arm.centres(q).elbow

@@ -22,6 +22,6 @@ class Fixed:
         if name in self._fixed and name in self.__dict__:
             raise AttributeError(f"{own.__name__}.{name} cannot be changed: {self._instead}")
         if "_closed" in vars(own) and not (name.startswith("_") or name in self._fixed or hasattr(own, name)):
-            known = [each for each in dir(own) if not each.startswith("_")]
+            known = [each for each in (*self._fixed, *dir(own)) if not each.startswith("_")]
             raise AttributeError(f"{own.__name__} has no attribute {name!r}{did_you_mean(name, known)}")
         super().__setattr__(name, value)

@@ -26,13 +26,16 @@ FARTHEST_FROM_ROTATION = 0.1
 _OF_QUATERNION = "pose_from_xyz_quaternion(xyz, quaternion, order=...) makes one of position and quaternion"
 
 _MAKERS = {
-    (3,): "; pose_from_xyz_rpy(xyz, rpy) makes one, whose rotation free_axis='any' leaves free",
+    (3,): "; pose_from_xyz_rpy(xyz, rpy) makes one",
     (6,): "; pose_from_xyz_rpy(xyz, rpy) makes one of two vectors",
     (7,): f"; {_OF_QUATERNION}",
     (4, 4): "; [pose] is a list of one",
     (3, 3): "; pinocchio.SE3(R, xyz) makes one of a rotation and a position",
 }
 """What makes a pose of an array of another shape."""
+
+OR_FREE = ", whose rotation free_axis='any' leaves free"
+"""What `as_matrix` adds to that for a position alone, where there is an argument `free_axis`."""
 
 _MANY_POSES = "; solve_batch, intervals_batch, reachable_batch and solve_path take many"
 
@@ -46,8 +49,12 @@ class PoseError(NamedTuple):
     """Rad."""
 
 
-def as_matrix(pose: PoseLike) -> Array:
+def as_matrix(pose: PoseLike, of_position: str = "") -> Array:
     """A pose as a (4, 4) array of floats, C-ordered and writeable. Whether it is a rigid transform is checked later.
+
+    Args:
+        pose: the pose.
+        of_position: what the message for a position alone ends with.
 
     Raises:
         InvalidPose: not 4 x 4, or not numbers.
@@ -60,7 +67,7 @@ def as_matrix(pose: PoseLike) -> Array:
         T = pose_matrix(pose)
         if T is not None:
             return T
-    return _floats(pose, (4, 4), "a pose is a pinocchio.SE3, a 4 x 4 array or a geometry_msgs pose")
+    return _floats(pose, (4, 4), "a pose is a pinocchio.SE3, a 4 x 4 array or a geometry_msgs pose", of_position)
 
 
 def as_target(pose: PoseLike) -> Array:
@@ -74,7 +81,7 @@ def as_target(pose: PoseLike) -> Array:
             pose_matrix(pose)
         except InvalidPose:
             return np.full((4, 4), np.nan)
-    return as_matrix(pose)
+    return as_matrix(pose, OR_FREE)
 
 
 def as_matrices(poses: Any) -> Array:
@@ -144,13 +151,14 @@ def nearest_pose(matrix: Any) -> pin.SE3:
     return pin.SE3(U @ V, T[:3, 3].copy())
 
 
-def _floats(values: Any, shape: tuple[int | None, ...], what: str) -> Array:
+def _floats(values: Any, shape: tuple[int | None, ...], what: str, of_position: str = "") -> Array:
     try:
         array = values if is_plain(values) else real_array(values)
     except (TypeError, ValueError):
         raise InvalidPose(f"{what}, not {what_is(values)}{_maker(values)}") from None
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
-        raise InvalidPose(f"{what}, not {what_is(values)}{_maker(values, array.shape)}")
+        end = of_position if array.shape == (3,) else ""
+        raise InvalidPose(f"{what}, not {what_is(values)}{_maker(values, array.shape)}{end}")
     return array
 
 

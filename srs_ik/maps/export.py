@@ -12,18 +12,15 @@ import io
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from srs_ik.errors import InvalidMap, MissingExtra
 from srs_ik.maps.grid import checked_step
 from srs_ik.maps.plan import YAW
+from srs_ik.maps.reader import Map, check_map
 from srs_ik.system.arrays import Array
 from srs_ik.system.writing import write_whole
-
-if TYPE_CHECKING:
-    from srs_ik.maps.reader import Map
 
 MOST_POINTS = 20_000_000
 """Points of an even grid at most."""
@@ -46,7 +43,7 @@ def cloud(chart: Map, step: float | None = None) -> tuple[Array, Array]:
         (N, 3) metres and (N,) 0 to 1, of the points at which something is reached.
 
     Raises:
-        InvalidMap: the step is none, or there would be too many points.
+        InvalidMap: no map, the step is none, or there would be too many points.
     """
     points, share, _ = _voxels(chart, step)
     some = share > 0.0
@@ -60,6 +57,7 @@ def spacing(chart: Map, step: float | None) -> float:
 
 def _voxels(chart: Map, step: float | None = None) -> tuple[Array, Array, tuple[int, ...]]:
     """Points, shares and numbers of points along x, y and z, x slowest."""
+    check_map(chart)
     grid = chart.plan.grid
     if grid.kind == "box" and step is None:
         points = grid.points(tuple(slice(0, n) for n in grid.shape))
@@ -84,8 +82,9 @@ def to_numpy(chart: Map, path: str | os.PathLike[str]) -> None:
     """Write all measures, coordinates and rotations as one compressed ``.npz`` file.
 
     Raises:
-        OSError: it cannot be written.
+        InvalidMap: no map, or the file cannot be written.
     """
+    check_map(chart)
     arrays = {name: chart.measure(name) for name in chart.store.names}
     grid = chart.plan.grid
     for k, name in enumerate(grid.names):
@@ -94,15 +93,14 @@ def to_numpy(chart: Map, path: str | os.PathLike[str]) -> None:
     arrays["rotation"] = chart.plan.orientations.matrices()
     content = io.BytesIO()
     np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
-    write_whole(Path(path), content.getvalue())
+    _write(path, content.getvalue())
 
 
 def to_vtk(chart: Map, path: str | os.PathLike[str], step: float | None = None) -> None:
     """Write the share of orientations reached at every point as a VTK image (``.vti``), in the base frame.
 
     Raises:
-        InvalidMap: the step is none, or there would be too many points.
-        OSError: it cannot be written.
+        InvalidMap: no map, the step is none, there would be too many points, or the file cannot be written.
     """
     points, share, shape = _voxels(chart, step)
     apart = spacing(chart, step)
@@ -111,8 +109,8 @@ def to_vtk(chart: Map, path: str | os.PathLike[str], step: float | None = None) 
     data = base64.b64encode(np.uint64(len(values)).tobytes() + values).decode()
     extent = " ".join(f"0 {n - 1}" for n in shape)
     origin = " ".join(repr(float(x)) for x in points[0])
-    write_whole(
-        Path(path),
+    _write(
+        path,
         f"""<?xml version="1.0"?>
 <VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
 <ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{apart!r} {apart!r} {apart!r}">
@@ -133,8 +131,7 @@ def to_reuleaux(chart: Map, path: str | os.PathLike[str], step: float | None = N
 
     Raises:
         MissingExtra: h5py is not installed.
-        InvalidMap: the step is none, or there would be too many points or poses.
-        OSError: it cannot be written.
+        InvalidMap: no map, the step is none, there would be too many points or poses, or the file cannot be written.
     """
     try:
         import h5py
@@ -151,7 +148,15 @@ def to_reuleaux(chart: Map, path: str | os.PathLike[str], step: float | None = N
         table = spheres.create_dataset("sphere_dataset", data=np.column_stack([points, 100.0 * share]))
         table.attrs["Resolution"] = np.array([spacing(chart, step)], "f4")
         file.create_group("Poses").create_dataset("poses_dataset", data=_poses(chart, points))
-    write_whole(Path(path), content.getvalue())
+    _write(path, content.getvalue())
+
+
+def _write(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write a file whole; raises InvalidMap where it cannot be written."""
+    try:
+        write_whole(Path(path), content)
+    except OSError as error:
+        raise InvalidMap(f"{path} cannot be written: {error.strerror or error}") from None
 
 
 def _poses(chart: Map, points: Array) -> Array:

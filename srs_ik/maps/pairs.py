@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from srs_ik.errors import InvalidMap, quoted
+from srs_ik.errors import InvalidMap
 from srs_ik.maps.plan import OF_SCENE, OF_TASK, Plan
+from srs_ik.maps.reader import Map, check_map
 from srs_ik.maps.store import Store, create, folder_of
 from srs_ik.system.arrays import Array
-
-if TYPE_CHECKING:
-    from srs_ik.maps.reader import Map
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +31,11 @@ class Compared:
     second: float
     width: float
     gained: Array
+
+    def __repr__(self) -> str:
+        return (
+            f"Compared(both={self.both:.4g}, first={self.first:.4g}, second={self.second:.4g}, width={self.width:+.4g})"
+        )
 
 
 def compare(first: Map, second: Map) -> Compared:
@@ -66,8 +68,6 @@ def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
         InvalidMap: their cells differ, they are half-planes, or one is damaged.
         FileExistsError: there is something at that path.
     """
-    from srs_ik.maps.reader import Map
-
     _check_alike(first, second)
     if first.plan.arcs or second.plan.arcs:
         raise InvalidMap("two arms turn about different axes: combine boxes, not half-planes")
@@ -101,9 +101,8 @@ def _both(first: Plan, second: Plan) -> dict[str, object]:
 
 
 def _check_alike(first: Map, second: Map) -> None:
-    for each in (first, second):
-        if not hasattr(each, "plan"):
-            raise InvalidMap(f"a map is what build_map or open_map gives, not {quoted(each)}")
+    check_map(first)
+    check_map(second)
     a, b = first.plan, second.plan
     if a.grid != b.grid or a.orientations != b.orientations:
         raise InvalidMap(f"{first.path} and {second.path} have different cells: make both with the same step and box")

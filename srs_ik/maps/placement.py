@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
@@ -39,7 +40,9 @@ class RankedBase(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Candidates for the base, best first when iterated over; the arrays are in the order in which they were given.
+    """Candidates for the base, best first when indexed or iterated over.
+
+    The arrays are in the order in which candidates were given.
 
     Attributes:
         candidates: (M, 4, 4) poses of the base.
@@ -68,8 +71,13 @@ class Placement:
     def __len__(self) -> int:
         return len(self.order)
 
+    def __getitem__(self, rank: int) -> RankedBase:
+        """A candidate by its rank, 0 for the best."""
+        i = self.order[operator.index(rank)]
+        return RankedBase(int(i), float(self.share[i]), float(self.value[i]))
+
     def __iter__(self) -> Iterator[RankedBase]:
-        return (RankedBase(int(i), float(self.share[i]), float(self.value[i])) for i in self.order)
+        return (self[rank] for rank in range(len(self)))
 
     def __repr__(self) -> str:
         best = self.order[0]

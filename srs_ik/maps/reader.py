@@ -52,6 +52,9 @@ class MapAnswer:
     def __len__(self) -> int:
         return len(self.reached)
 
+    def __repr__(self) -> str:
+        return f"MapAnswer({len(self)} poses, {self.reached.sum()} reached, measures {', '.join(self.measures)})"
+
 
 @dataclass(frozen=True)
 class Verified:
@@ -94,6 +97,13 @@ def open_map(path: str | os.PathLike[str], arm: Arm | None = None, scene: Scene 
     if arm is not None:
         check_arm(arm)
     return Map(Store(folder_of(path)), arm, scene)
+
+
+def check_map(chart: Any) -> None:
+    """Raise InvalidMap for what is no map, such as its folder, before anything is asked of it."""
+    if not isinstance(chart, Map):
+        hint = "; open it first" if isinstance(chart, str | os.PathLike) else ""
+        raise InvalidMap(f"a map is what build_map or open_map gives, not {quoted(chart)}{hint}")
 
 
 class Map:

@@ -241,7 +241,16 @@ def refuse_other(store: Store, plan: Plan) -> None:
     for part in ("version", "grid", "orientations", "measures", "arcs", "scene", "task"):
         if there.get(part) != wanted.get(part):
             other = f"other {part}" if part.endswith("s") else f"another {part}"
+            other += _differences(there.get(part), wanted.get(part))
             raise InvalidMap(f"{store.path} is a map with {other}: give another folder, or remove it")
+
+
+def _differences(there: Any, wanted: Any) -> str:
+    """What differs between two parts of plans that have names, as a clause in brackets."""
+    if not (isinstance(there, dict) and isinstance(wanted, dict)):
+        return ""
+    told = [f"{k} {quoted(v)}, not {quoted(wanted[k])}" for k, v in there.items() if k in wanted and v != wanted[k]]
+    return f" ({'; '.join(told)})" if told else ""
 
 
 def _version(store: Store) -> Any:

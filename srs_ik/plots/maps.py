@@ -12,13 +12,13 @@ from srs_ik.errors import InvalidMap, quoted
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.maps.live import yaw_arcs
 from srs_ik.maps.plan import FREE, RATIO, YAW
+from srs_ik.maps.reader import Map, check_map
 from srs_ik.plots.figure import EMPTY, FORCE, VELOCITY, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
-    from srs_ik.maps.reader import Map
 
 _LABELS = {
     "reached": "share of orientations reached",
@@ -42,9 +42,10 @@ def plot_map(chart: Map, name: str = "reached", at: float = 0.0) -> Figure:
         at: y of the slice through a box, metres.
 
     Raises:
-        InvalidMap: the map has no measure of that name, or none that has a mean, or the slice is outside.
+        InvalidMap: no map, or it has no measure of that name, or none that has a mean, or the slice is outside.
         MissingExtra: Matplotlib is not installed.
     """
+    check_map(chart)
     if name not in _LABELS:
         raise InvalidMap(f"there is no picture of {quoted(name)}, but of {', '.join(_LABELS)}")
     values, extent, labels = _slice(chart, name, at)
@@ -70,8 +71,11 @@ def plot_shell(*charts: Map, share: float = 0.0, labels: Sequence[str] | None = 
         labels: what to call them; by default, by their robots.
 
     Raises:
+        InvalidMap: one is no map.
         MissingExtra: Matplotlib is not installed.
     """
+    for chart in charts:
+        check_map(chart)
     figure = new_figure(5.2, 6.0)
     axes = figure.add_subplot()
     names = []

@@ -44,7 +44,7 @@ class FollowingPreview(LivePage):
         arm: the arm.
         q: (7,) joint angles to begin with, rad; by default the arm is bent in the middle of its ranges.
         dt: seconds between two updates of the tracker.
-        package_dirs: folders to search for meshes before all others.
+        package_dirs: a folder, or several, to search for meshes before all others.
         port: of the page; 0 for any that is free.
         **options: of `Arm.tracker`.
 
@@ -55,7 +55,7 @@ class FollowingPreview(LivePage):
 
     Raises:
         InvalidConfiguration: q is not 7 finite angles, or an option is malformed.
-        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
+        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more; or there is no such folder.
         MissingExtra: viser is not installed.
         MissingLimits: a joint has no velocity limit.
         PreviewError: the port is taken, or there is none of this number.
@@ -66,7 +66,7 @@ class FollowingPreview(LivePage):
         arm: Arm,
         q: ArrayLike | None = None,
         dt: float = 0.01,
-        package_dirs: Sequence[str | Path] = (),
+        package_dirs: str | Path | Sequence[str | Path] = (),
         port: int = 0,
         **options: Any,
     ) -> None:

@@ -39,7 +39,7 @@ class InteractivePreview(LivePage):
     Args:
         arm: the arm.
         q: (7,) joint angles to begin with, rad; by default the arm is bent in the middle of its ranges.
-        package_dirs: folders to search for meshes before all others.
+        package_dirs: a folder, or several, to search for meshes before all others.
         port: of the page; 0 for any that is free.
 
     Attributes:
@@ -48,13 +48,13 @@ class InteractivePreview(LivePage):
 
     Raises:
         InvalidConfiguration: q is not 7 finite angles.
-        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
+        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more; or there is no such folder.
         MissingExtra: viser is not installed.
         PreviewError: the port is taken, or there is none of this number.
     """
 
     def __init__(
-        self, arm: Arm, q: ArrayLike | None = None, package_dirs: Sequence[str | Path] = (), port: int = 0
+        self, arm: Arm, q: ArrayLike | None = None, package_dirs: str | Path | Sequence[str | Path] = (), port: int = 0
     ) -> None:
         start = None if q is None else as_joint_vector(q)
         super().__init__(arm, package_dirs, port)

@@ -37,7 +37,7 @@ class LivePage:
         missing: one clause for every shape of the robot that could not be drawn.
     """
 
-    def __init__(self, arm: Arm, package_dirs: Sequence[str | Path], port: int) -> None:
+    def __init__(self, arm: Arm, package_dirs: str | Path | Sequence[str | Path], port: int) -> None:
         check_arm(arm)
         self.arm = arm
         parts, self.missing = look(arm, package_dirs)

@@ -13,6 +13,7 @@ import trimesh
 
 from srs_ik.meshes import bounds
 from srs_ik.meshes.files import MeshFinder, MeshMissing, MeshShelf, Piece
+from srs_ik.meshes.folders import folders_of
 from srs_ik.preview import palette, solids
 from srs_ik.preview.solids import Solid
 from srs_ik.robot.description.shapes import Shape, read_shapes, read_tree
@@ -65,14 +66,15 @@ class Stage(NamedTuple):
         return cls(R, min([0.0, *heights]))
 
 
-def look(arm: Arm, folders: Sequence[str | Path] = ()) -> Look:
+def look(arm: Arm, folders: str | Path | Sequence[str | Path] = ()) -> Look:
     """The shapes of the whole robot: its meshes where they are found, else its primitive shapes, else its skeleton.
 
     Raises:
-        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
+        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more; or there is no such folder.
     """
+    searched = folders_of(folders)
     shapes, senseless = read_shapes(arm.drawing)
-    shelf = MeshShelf(MeshFinder(arm.drawing.file if arm.drawing else None, folders))
+    shelf = MeshShelf(MeshFinder(arm.drawing.file if arm.drawing else None, searched))
     frames = {f.name: f for f in arm.model.frames if f.type == pin.FrameType.BODY}
     drawn = _Drawn(shelf)
     missing = [f"{senseless} shapes have no size or an unknown form"] if senseless else []

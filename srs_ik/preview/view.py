@@ -49,7 +49,7 @@ class Preview:
 
     Args:
         arm: the arm; it is shown in the middle of its ranges, the elbow bent, until `show` says otherwise.
-        package_dirs: folders to search for meshes before all others: packages, or folders that hold packages.
+        package_dirs: a folder, or several, to search for meshes first: packages, or folders that hold packages.
         port: of the page; 0 for any that is free.
 
     Attributes:
@@ -57,11 +57,11 @@ class Preview:
         missing: one clause for every shape of the robot that could not be drawn, such as a mesh that is not found.
 
     Raises:
-        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
+        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more; or there is no such folder.
         PreviewError: the port is taken, or there is none of this number.
     """
 
-    def __init__(self, arm: Arm, package_dirs: Sequence[str | Path] = (), port: int = 0) -> None:
+    def __init__(self, arm: Arm, package_dirs: str | Path | Sequence[str | Path] = (), port: int = 0) -> None:
         check_arm(arm)
         self.arm = arm
         self._size = reach(arm)
@@ -126,14 +126,19 @@ class Preview:
 
         The file appears whole or not at all.
 
+        Args:
+            path: a file that ends in .html or .htm.
+
         Returns:
             Where it was written.
 
         Raises:
-            PreviewError: the preview is closed, the path is none, or the file cannot be written.
+            PreviewError: the preview is closed, the path is none or ends otherwise, or the file cannot be written.
         """
         if not isinstance(path, str | os.PathLike):
             raise PreviewError(f"a page is saved under the name of a file, such as scene.html, not {quoted(path)}")
+        if Path(path).suffix.lower() not in (".html", ".htm") and not Path(path).is_dir():
+            raise PreviewError(f"a page is HTML: give it a name such as scene.html, not {quoted(str(path))}")
         try:
             return write_whole(Path(path), self.html())
         except IsADirectoryError:

@@ -104,6 +104,13 @@ class Plant:
         self._bad = range(first, len(self._warned))
         self.reset(np.zeros(7))
 
+    def __repr__(self) -> str:
+        w = self.world
+        around = [(w.walls, "wall", "walls"), (w.pegs, "peg", "pegs"), (w.boxes, "box", "boxes")]
+        held = [f"{len(some)} {one if len(some) == 1 else more}" for some, one, more in around if some]
+        held += ["payload"] if w.payload else []
+        return f"Plant({self.arm.name}{''.join(f', {each}' for each in held)}, at {self.data.time:.4g} s)"
+
     # State ------------------------------------------------------------------------------------------------------
 
     def reset(self, q: ArrayLike, v: ArrayLike | None = None) -> None:

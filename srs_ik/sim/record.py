@@ -107,11 +107,15 @@ class Record:
         angle = np.arctan2(np.linalg.norm(skew, axis=1), np.trace(turn, axis1=1, axis2=2) - 1.0)
         return np.linalg.norm(self.tip - T_base_target[:3, 3], axis=1), angle
 
+    def __repr__(self) -> str:
+        last = self.t[-1] if len(self.t) else 0.0
+        return f"Record({self.arm.name}: {len(self.t)} samples, to {last:.4g} s)"
+
     def replay(self, path: str | Path, rate: float = 30.0, target: PoseLike | None = None) -> Path:
         """Write the motion, with the world around it, as one HTML page that plays without a server.
 
         Args:
-            path: where the page is to be.
+            path: where the page is to be, a file that ends in .html.
             rate: samples of the record that are shown a second.
             target: pose of the tip that is shown as a frame.
 
@@ -120,7 +124,7 @@ class Record:
 
         Raises:
             InvalidPose: the target is no finite rigid transform.
-            PreviewError: the page cannot be written.
+            PreviewError: the page cannot be written, or the path ends otherwise.
             InvalidController: no path, or a rate that is not positive.
         """
         if not isinstance(path, str | Path):

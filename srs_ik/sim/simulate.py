@@ -10,11 +10,15 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from srs_ik.arm import Arm
 from srs_ik.errors import InvalidController, quoted
-from srs_ik.inputs.control import called, count, not_negative, number, one_of, positive, thing, things, torques, vector
+from srs_ik.inputs.control import called, count, not_negative, one_of, positive, thing, things, torques, vector
 from srs_ik.robot.limb import Vector
 from srs_ik.sim.plant import PLACES, Plant
 from srs_ik.sim.record import Record
+
+ALIKE = 0.01
+"""Lengths of upper arm and forearm, m, by which a controller's model of an arm may be off."""
 
 MOST_STEPS = 1_000_000_000
 """Time steps of a simulation: days of computing."""
@@ -35,7 +39,7 @@ class Push(NamedTuple):
     force: ArrayLike
     """(3,) N, base axes."""
     start: float
-    """s."""
+    """s, from the beginning of the simulation."""
     duration: float
     """s."""
 
@@ -60,24 +64,26 @@ def simulate(
         duration: s.
         rate: how often the controller is asked, Hz; a period is a whole number of time steps.
         delay: from a sample to the torque that follows from it, s; rounded to time steps.
-        pushes: forces on tip or elbow; those that act at one time add up.
+        pushes: forces on tip or elbow that begin before the simulation ends; those that act at one time add up.
         target: called before each tick with the time, to move the controller's target.
         every: record one of so many ticks.
         stop: ends the motion where it is true, asked once a tick.
 
     Raises:
         InvalidController: a thing of another class, a rate, delay or duration that is none, a period that is no whole
-            number of time steps, a controller whose torques are not 7 finite figures, or a motion that is unstable.
+            number of time steps, a push that begins before or after the simulation, a controller of another arm or
+            whose torques are not 7 finite figures, or a motion that is unstable.
     """
     dt = thing(plant, Plant, "plant").timestep
-    pushes = _checked(pushes)
+    pushes = _checked(pushes, positive(duration, "duration"))
     every, rate, delay = count(every, "every"), positive(rate, "rate"), not_negative(delay, "delay")
     if not callable(getattr(controller, "torque", None)):
         raise InvalidController(f"the controller has to have a function torque(q, v), unlike {quoted(controller)}")
+    _refuse_other_arm(plant.arm, getattr(controller, "arm", None))
     for function, what in ((target, "target"), (stop, "stop")):
         if function is not None:
             called(function, what)
-    steps = positive(duration, "duration") / dt
+    steps = duration / dt
     period = round(1.0 / (rate * dt))
     if period < 1 or abs(period * dt * rate - 1.0) > 1e-6:
         raise InvalidController(f"a period is a whole number of time steps of {dt:g} s, unlike that of {rate:g} Hz")
@@ -107,13 +113,25 @@ def simulate(
     return log.record()
 
 
-def _checked(pushes: Any) -> tuple[Push, ...]:
-    """The pushes of a simulation; raises InvalidController where they are none, or a figure in one is none."""
+def _refuse_other_arm(arm: Arm, other: Any) -> None:
+    """Raise InvalidController where a controller has an arm with other joints or lengths than the plant's."""
+    if not isinstance(other, Arm):
+        return
+    off = max(abs(arm.limb.upper_arm - other.limb.upper_arm), abs(arm.limb.forearm - other.limb.forearm))
+    if arm.joint_names != other.joint_names or off > ALIKE:
+        raise InvalidController(
+            f"the plant is {quoted(arm.name)} and the controller is of {quoted(other.name)}, another robot"
+        )
+
+
+def _checked(pushes: Any, duration: float) -> tuple[Push, ...]:
+    """The pushes of a simulation; raises InvalidController where one never begins, or a figure in it is none."""
     found = things(pushes, Push, "pushes")
     for push in found:
         one_of(push.on, PLACES, "a push is on")
         vector(push.force, "force of a push")
-        number(push.start, "start of a push")
+        if not_negative(push.start, "start of a push") >= duration:
+            raise InvalidController(f"a push begins at {push.start:g} s, when the simulation of {duration:g} s is over")
         not_negative(push.duration, "duration of a push")
     return found
 

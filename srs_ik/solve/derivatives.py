@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from srs_ik.system.arrays import Array
+from srs_ik.system.arrays import Array, equal_to_itself
 
 SMALLEST = 1e-9
 """Where a motion of the tip asks for joint motions larger by the inverse of this, there are no derivatives."""
 
 
+@equal_to_itself
 class SolutionDerivatives(NamedTuple):
     """First derivatives of the joint angles that `Arm.solve` gives for a pose and an arm angle.
 

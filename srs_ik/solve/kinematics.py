@@ -10,7 +10,7 @@ from srs_ik.inputs.angles import as_bounded_joint_vector, as_joint_vectors
 from srs_ik.kernels.entries.kinematics import centres_range, forward_range, jacobian_range
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.threads import run_in_threads
-from srs_ik.system.arrays import Array
+from srs_ik.system.arrays import Array, equal_to_itself
 
 
 def forward_kinematics_batch(packed: PackedArm, q: Any, threads: int | None) -> Array:
@@ -29,6 +29,7 @@ def jacobian_batch(packed: PackedArm, q: Any, threads: int | None) -> Array:
     return jacobians
 
 
+@equal_to_itself
 class Centres(NamedTuple):
     """The centres of an arm in the base frame, m: (3,) each, or (N, 3)."""
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.angles import NO_SEED, as_arm_angle, as_branch, as_seed, as_seeds, per_pose
-from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
+from srs_ik.inputs.poses import OR_FREE, PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW
 from srs_ik.solve.packed import PackedArm
@@ -28,7 +28,7 @@ def solve(
 ) -> Solution:
     """See `Arm.solve`."""
     row = np.empty(ROW)
-    T = as_matrix(pose)
+    T = as_matrix(pose, OR_FREE)
     chosen = -1 if branch is None else as_branch(branch)
     near = NO_SEED if seed is None else as_seed(seed, arm.lower, arm.upper)
     respect_limits = bool(respect_limits)

@@ -29,7 +29,8 @@ class Posture:
     """Where the arm goes for a task, in the base frame, metres; for N tasks every field is an array over N.
 
     It is what the geometry of the arm allows, joint limits apart. On a near limb that of `Arm.posture` is the nearest
-    exact limb's, and that of a solved task the true chain's.
+    exact limb's, and that of a solved task the true chain's. That of one task is true in a boolean test if and only if
+    it is `reached`; many have no truth value.
     """
 
     __slots__ = ("_rows", "_shoulder", "side")
@@ -111,6 +112,11 @@ class Posture:
             return "The hand reaches the target."
         lie = "stretched towards" if self.miss > 0.0 else "folded towards"
         return f"The arm is {lie} the target, and the hand stays {abs(self.miss):.3g} m from it."
+
+    def __bool__(self) -> bool:
+        if self._rows.ndim > 1:
+            raise TypeError("many postures have no truth value: their reached has one for each")
+        return bool(self.reached)
 
     def __len__(self) -> int:
         if self._rows.ndim == 1:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from srs_ik.collision.scene import Scene
 from srs_ik.inputs.angles import as_arm_angle, as_bounded_joint_vector, as_branch, as_joint_vectors, as_seed
 from srs_ik.inputs.freedom import as_free_axis
-from srs_ik.inputs.poses import PoseLike, as_matrix
+from srs_ik.inputs.poses import OR_FREE, PoseLike, as_matrix
 from srs_ik.solve.in_scene import pose as pose_solver
 from srs_ik.solve.in_scene.surroundings import Surroundings
 from srs_ik.solve.solution import Interval
@@ -84,7 +84,7 @@ class InScene:
         near = None if seed is None else as_seed(seed, self.packed.lower, self.packed.upper)
         psi = None if arm_angle is None else as_arm_angle(arm_angle)
         return pose_solver.solve(
-            self.around, as_matrix(pose), psi, near, -1 if branch is None else as_branch(branch), respect
+            self.around, as_matrix(pose, OR_FREE), psi, near, -1 if branch is None else as_branch(branch), respect
         )
 
     def solve_all(self, pose: PoseLike, arm_angle: float | None, respect: bool) -> Solutions:

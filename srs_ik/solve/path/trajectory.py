@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.numbers import as_positive
-from srs_ik.system.arrays import Array
+from srs_ik.system.arrays import Array, equal_to_itself
 
 ROUNDING = 1e-9
 """Joint angles outside the limits by this are there by rounding, rad; times by this part of the whole."""
@@ -21,6 +21,7 @@ APART = 1e-9
 """Passing times that are closer than this part of the whole are one: the path stands still there."""
 
 
+@equal_to_itself
 class Samples(NamedTuple):
     """A motion at evenly spaced times."""
 

@@ -63,7 +63,7 @@ TOGETHER = 1e-6
 
 
 class TrackerStatus(StrEnum):
-    """How an update went; equal to its name as text."""
+    """How an update went; equal to its name as text. It has no truth value, since any text is true; a step has."""
 
     OK = "OK"
     """The tip is on the target."""
@@ -73,6 +73,9 @@ class TrackerStatus(StrEnum):
     """There is no target to follow, or only another configuration reaches it."""
     UNREACHABLE = "UNREACHABLE"
     """No posture reaches the target; the arm goes as close to it as it comes."""
+
+    def __bool__(self) -> bool:
+        raise TypeError("a status has no truth value: compare it with TrackerStatus.OK, or test the step itself")
 
 
 _STATUSES = tuple(TrackerStatus)

@@ -116,10 +116,10 @@ def _price(arm: Arm, seconds: float) -> dict[str, Any]:
             {
                 "elbow_N_m": stiffness,
                 "misplaced_tip_error_m": _misplaced(arm, elbow, q, seconds),
-                "largest_tip_error_in_a_jump_m": _jump(arm, fractal(arm, elbow=elbow), seconds),
+                "largest_tip_error_in_a_jump_m": _jump(arm, fractal(arm, elbow=elbow), seconds, elbow is not None),
             }
         )
-    projected = _jump(arm, make("operational", arm), seconds)
+    projected = _jump(arm, make("operational", arm), seconds, True)
     return {"superposed": rows, "operational_space_largest_tip_error_in_a_jump_m": projected}
 
 
@@ -135,13 +135,13 @@ def _misplaced(arm: Arm, elbow: ForceProfile | None, q: Array, seconds: float) -
     return float(record.errors(arm.forward_kinematics(q).homogeneous)[0][-1])
 
 
-def _jump(arm: Arm, controller: Any, seconds: float) -> float:
+def _jump(arm: Arm, controller: Any, seconds: float, holds_arm_angle: bool) -> float:
     rng, plant, largest = np.random.default_rng(SEED), Plant(arm, damping=0.5), []
     for _ in range(JUMPS if seconds > 1.0 else 1):
         q = near_home(arm, rng)
         T = arm.forward_kinematics(q).homogeneous
         plant.reset(q)
-        controller.set_target(T, arm_angle=arm.arm_angle(q) + 0.5, seed=q)
+        controller.set_target(T, arm_angle=arm.arm_angle(q) + 0.5 if holds_arm_angle else None, seed=q)
         largest.append(float(simulate(plant, controller, seconds / 3.0, every=4).errors(T)[0].max()))
     return float(np.median(largest))
 
