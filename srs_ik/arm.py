@@ -282,7 +282,7 @@ class Arm(BodyOwner):
                 from rest to rest within both limits, at the `times` of the answer. That is the least time along the
                 path, and the path the best one of those that are best by each objective.
             free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
-                and then each for its neighbours. It goes with neither known postures nor a closed path nor a scene.
+                and then each for its neighbours. It goes with neither known postures nor a closed path.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m; it goes with a scene.
 

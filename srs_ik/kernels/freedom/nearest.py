@@ -53,6 +53,10 @@ left out."""
 OFF_LIMIT = 1.0
 """So far from its limit, rad, a joint of the best posture starts again: another joint may be the one to be held."""
 
+DISTANT, BENT_OVER = 2.75, 1.5
+"""Where the best posture is farther from the seed, rad, joints 2, 4 and 6 each start again so far to either side of it,
+rad: limits may hide a nearer one of another branch from all starts of the grid."""
+
 
 @kernel
 def searched(P, start, pose, freedom, rival, desk):
@@ -192,18 +196,28 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
 
 
 @kernel
-def off_limits(P, pose, freedom, liking, found, desk):
-    """The nearest posture that searches lead to from the best one, each with a joint moved off its limit, or that one.
+def nearer_from(P, pose, freedom, liking, start, found, desk):
+    """The posture that a search from a start leads to, if it is nearer than the one that is known, or that one."""
+    rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
+    there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
+    return Found(there, cost, True) if error < SOLVED and cost < found.cost else found
 
-    Which limits hold a posture is a choice. Another one may be nearer, behind a rise that no descent passes.
+
+@kernel
+def once_more(P, pose, freedom, liking, found, desk):
+    """The nearest posture that searches lead to from the best one, each with a joint moved, or that one.
+
+    Which limits hold a posture is a choice, and so is its branch. Another one may be nearer, behind a rise that no
+    descent passes.
     """
     best, held = found.q, at_limits(found.q, liking)
     for j in range(7):
         if (held >> j) & 1 == 1:
             off = OFF_LIMIT if best[j] - liking.lower[j] < liking.upper[j] - best[j] else -OFF_LIMIT
-            rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
-            start = with_joint(best, j, best[j] + off)
-            there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
-            if error < SOLVED and cost < found.cost:
-                found = Found(there, cost, True)
+            found = nearer_from(P, pose, freedom, liking, with_joint(best, j, best[j] + off), found, desk)
+    if found.cost > DISTANT * DISTANT:
+        best = found.q
+        for j in range(1, 7, 2):
+            found = nearer_from(P, pose, freedom, liking, with_joint(best, j, best[j] + BENT_OVER), found, desk)
+            found = nearer_from(P, pose, freedom, liking, with_joint(best, j, best[j] - BENT_OVER), found, desk)
     return found

@@ -10,7 +10,7 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.freedom.from_seed import CLOSE, from_seed
-from srs_ik.kernels.freedom.nearest import nearest, off_limits
+from srs_ik.kernels.freedom.nearest import nearest, once_more
 from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import MOST_ATTEMPTS, NONE_LEFT, is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
@@ -64,7 +64,7 @@ def found_posture(family, P, pose, given, goal, liking, desk):
         # One that is farther ends no other search: at singular shoulders and wrists these go a long way round.
         found = nearest_of_all(P, pose, given, liking, known if known.cost < CLOSE * CLOSE else none, desk)
         found = known if known.cost < found.cost else found
-        return off_limits(P, pose, given[0], liking, found, desk) if found.met else found
+        return once_more(P, pose, given[0], liking, found, desk) if found.met else found
     if goal.respect and any_limited(P):
         found = widest_of_all(P, pose, given, liking, desk)
         if found.met:

@@ -60,10 +60,22 @@ def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution
             break
     assert best is not None
     _, way, rows, edges, asked = best[1]
-    steps = joint_steps(rows)
-    breaks = sorted([*breaks_of(asked, way, rows, steps), *_blocked(edges, steps, arm.joint_names)], key=_sample)
+    return with_breaks(problem, way, rows, asked, edges)
+
+
+def with_breaks(
+    problem: Problem, way: Way | None, rows: Array, asked: Problem | None = None, edges: Edges | None = None
+) -> PathSolution:
+    """A path of these rows with its breaks, of postures and of lines between them.
+
+    `asked` is the problem as it was planned, `edges` are its lines where these are known already.
+    """
+    arm, around, steps = problem.arm, problem.around, joint_steps(rows)
+    assert around is not None
+    lines = Edges(around, rows[:, :7], _lines(problem, rows)) if edges is None else edges
+    breaks = [*breaks_of(asked or problem, way, rows, steps), *_blocked(lines, steps, arm.joint_names)]
     hits = around.hits_of(problem.T, rows)
-    return PathSolution(rows, arm.joint_names, steps, breaks, arm.elbow, hits, problem)
+    return PathSolution(rows, arm.joint_names, steps, sorted(breaks, key=_sample), arm.elbow, hits, problem)
 
 
 class _Room:

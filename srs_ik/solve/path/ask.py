@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -84,8 +85,8 @@ def solve_path(
     if free_axis is not None:
         from srs_ik.solve.freedom import refuse_beside
 
-        refuse_beside(free_axis, known=known, closed=closed, scene=around)
-        return _free(arm, T, free_axis, (seed, dt, longest_step, objective, acceleration_limit))
+        refuse_beside(free_axis, known=known, closed=closed)
+        return _free(arm, T, free_axis, (seed, dt, longest_step, objective, acceleration_limit), around)
     n = len(T)
     problem = problem_of(arm, T, seed, dt, longest_step, objective, acceleration_limit)
     given, has_given = _known(arm, T, {} if known is None else known)
@@ -144,7 +145,9 @@ def problem_of(
     return problem
 
 
-def _free(arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...]) -> PathSolution:
+def _free(
+    arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...], around: Surroundings | None
+) -> PathSolution:
     """A path through poses that leave a turn free."""
     from srs_ik.inputs.freedom import as_free_axis
     from srs_ik.solve.path.freedom import solve_free_path
@@ -154,11 +157,16 @@ def _free(arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...]) -> P
         return _of_no_poses(arm)
     seed, dt, longest_step, objective, acceleration = asked
 
-    def find(whole: Array) -> PathSolution:
-        return solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration)
+    def find(whole: Array, beside: Surroundings | None = None) -> PathSolution:
+        return solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration, around=beside)
 
     found = solve_free_path(problem, free, find)
-    told = found._rows, arm.joint_names, found.steps, found.breaks, arm.elbow
+    if around is not None:
+        from srs_ik.solve.in_scene.free_path import keep_clear
+
+        problem.around = around
+        found = keep_clear(problem, free, found, partial(find, beside=around))
+    told = found._rows, arm.joint_names, found.steps, found.breaks, arm.elbow, found.collisions
     return PathSolution(*told, problem=problem, bounded=False)
 
 

@@ -282,6 +282,8 @@ def strips_of(problem: Problem, keys: Keys, turns: Array) -> Problem:
     told = replace(
         problem, T=frames, seed=None, settings=settings, limited=False, near=near, known=near, has_known=none
     )
+    if problem.around is not None:
+        told.free = [problem.around.all_free(frame, True) for frame in frames]
     rows, poses = [], []
     for number, key in enumerate(keys.tolist()):
         tell(number, len(keys))
