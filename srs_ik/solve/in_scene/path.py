@@ -72,7 +72,7 @@ def with_breaks(
     """
     arm, around, steps = problem.arm, problem.around, joint_steps(rows)
     assert around is not None
-    lines = Edges(around, rows[:, :7], _lines(problem, rows)) if edges is None else edges
+    lines = Edges(around, rows[:, :7], _lines(problem, rows), around.is_exact) if edges is None else edges
     breaks = [*breaks_of(asked or problem, way, rows, steps), *_blocked(lines, steps, arm.joint_names)]
     hits = around.hits_of(problem.T, rows)
     return PathSolution(rows, arm.joint_names, steps, sorted(breaks, key=_sample), arm.elbow, hits, problem)
