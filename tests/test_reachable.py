@@ -60,6 +60,20 @@ def test_poses_of_configurations_on_limits_are_not_missed(name):
     assert max(found.position_error.max(), found.orientation_error.max()) < 1e-9
 
 
+@pytest.mark.parametrize("name", [name for name in arms.EVERY if name in arms.NEAR])
+def test_near_arms_on_limits_are_not_told_to_be_outside(name):
+    """Where the nearest exact limb's postures are outside, and curves inside for a point alone."""
+    arm, forward, rng = arms.load(name), arms.forward(name), arms.generator(name, 31)
+    Q = arms.configurations(name, 200, 32)
+    for q in Q:
+        for joint in rng.choice(7, rng.integers(1, 7), replace=False):
+            limit, inwards = ((arm.lower, 1.0), (arm.upper, -1.0))[rng.integers(2)]
+            q[joint] = limit[joint] + inwards * rng.choice([0.0, 1e-6, 1e-3]) if np.isfinite(limit[joint]) else q[joint]
+    poses = np.array([forward(q).homogeneous for q in Q])
+    assert arm.reachable_batch(poses).all()
+    assert arm.solve_batch(poses).ok.all()
+
+
 @pytest.mark.parametrize("name", ["iiwa14", "human_arm", "made_bent", "gen3"])
 def test_reached_is_what_has_an_interval(name):
     arm = arms.load(name)

@@ -21,11 +21,11 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side, read_target
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
 from srs_ik.kernels.maps.cells import clear, write_measures
-from srs_ik.kernels.maps.reach import any_overlap, is_bent_right, is_met_at, room
+from srs_ik.kernels.maps.reach import is_bent_right, is_met_at
 from srs_ik.kernels.near.at_angle import may_reach
-from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen, widest
-from srs_ik.kernels.near.intervals import intervals_through, true_intervals
-from srs_ik.kernels.near.predicted import predicted_intervals
+from srs_ik.kernels.near.band import band_of, is_near_singularity, may_predict, widen
+from srs_ik.kernels.near.intervals import has_none, intervals_through, true_intervals
+from srs_ik.kernels.near.predicted import is_surely_out, predicted_intervals
 from srs_ik.kernels.near.second_attempts import found_again
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import solve_row_at
@@ -45,12 +45,9 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 PROBED = 8
 """Arm angles, evenly spaced, that are tried before the intervals are looked for."""
 
-SAFE = 2.0
-"""Limits drawn out by so many bands leave out nothing: bands are measured at many configurations, not at all."""
-
-Near = namedtuple("Near", ("J", "A", "found", "answers", "boxes", "exact", "slack"))
-"""Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3), (1, ROW), (1, SIZE), and that of an exact limb; and
-how much farther than this the true chain may reach, m."""
+Near = namedtuple("Near", ("J", "A", "found", "answers", "boxes", "slack"))
+"""Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3), (1, ROW), (1, SIZE), and how much
+farther than its nearest exact limb the true chain may reach, m."""
 
 Posed = namedtuple("Posed", ("T", "target"))
 """A pose: its 16 figures, and these as they are read."""
@@ -60,7 +57,7 @@ Posed = namedtuple("Posed", ("T", "target"))
 def near_room(family, J, A):
     """Work space for near limbs."""
     slack = farther(row(family, at.LIMITED))
-    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, at.SIZE)), room(family), slack)
+    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, at.SIZE)), slack)
 
 
 @kernel
@@ -115,29 +112,10 @@ def is_met_near(P, pose, band, family, space):
 
 
 @kernel
-def is_out_of_band(P, pose, band, space):
-    """Whether no posture keeps limits that are drawn out by more than the band: there is none on the true chain."""
-    box = row(space.boxes, 0)
-    widen(P, band, SAFE, box)
-    place_ = pose.target.place
-    for elbow in range(2):
-        if is_bent_right(box, place_, elbow) and any_overlap(box, elbow_side(P, place_, elbow), space.exact):
-            return False
-    return True
-
-
-@kernel
-def is_surely_out(P, pose, space):
-    """`is_out_of_band`, where the band tells enough."""
-    band = band_of(P, pose.target.place)
-    if not may_predict(P, pose.target.place, band) or SAFE * widest(band) >= WIDEST_BAND:
-        return False
-    return is_out_of_band(P, pose, band, space)
-
-
-@kernel
 def was_missed(P, target, space):
     """A posture that no curve has led to, and whether there is one."""
+    if is_surely_out(P, target) or has_none(P, target, space.J, space.A):
+        return NO_SEED, False
     q, _, lowest = found_again(P, target, -1, Goal(False, NO_SEED, True), space.J, space.A)
     return q, lowest < OUTSIDE
 
@@ -153,11 +131,10 @@ def reach_near(family, pose, space):
     if is_too_far(P, pose, space):
         return NOT_REACHED
     band = band_of(P, pose.target.place)
-    if may_predict(P, pose.target.place, band):
-        if is_met_near(P, pose, band, family, space):
-            return REACHED
-        if is_surely_out(P, pose, space):
-            return NOT_REACHED
+    if may_predict(P, pose.target.place, band) and is_met_near(P, pose, band, family, space):
+        return REACHED
+    if is_surely_out(P, pose.target):
+        return NOT_REACHED
     n = predicted_intervals(P, pose.target, space.found, space.J, space.A)
     if n < 0:
         n = true_intervals(P, pose.target, True, space.found, space.J, space.A)
@@ -256,7 +233,7 @@ def write_cell_near(family, pose, limits, most, space, out):
         return
     n = all_intervals(family, pose.target, True, space.J, space.A, space.found)
     q, again = NO_SEED, False
-    if n == 0 and not is_surely_out(P, pose, space):
+    if n == 0:
         q, again = was_missed(P, pose.target, space)
         if again:
             n = intervals_through(P, pose.target, q, True, space.found, space.J, space.A)

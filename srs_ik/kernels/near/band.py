@@ -263,6 +263,16 @@ def may_predict_limits(P, place_, band):
 
 
 @kernel
+def may_tell_none(P, place_, band):
+    """Whether limits that are drawn out by a band leave out nothing: of the elbow it tells where the bend is, at most.
+
+    Joints without limits need not be told.
+    """
+    told = max(band[1], band[5]) < WIDEST_BAND and outer_band_of_limits(P, band) < WIDEST_OUTER
+    return told and is_well_bent(P, place_) and (widest(band) < ALMOST_NOTHING or not is_oblique(P))
+
+
+@kernel
 def widen(P, band, factor, box):
     """Copy a packed limb to `box`, its limits drawn out by a band times a factor; whether it has any room."""
     copy(P, box, at.SIZE)

@@ -10,14 +10,14 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.best import best_on
 from srs_ik.kernels.curves.follow import CURVE, follow_through, tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE
-from srs_ik.kernels.curves.outreach import pairs_on_line
-from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, near_runs, samples_of, survey_curves
+from srs_ik.kernels.curves.outreach import EVERY_PAIR, pairs_on_line
+from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, certain_runs, near_runs, samples_of, survey_curves
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.farthest import copy_interval
@@ -25,9 +25,11 @@ from srs_ik.kernels.exact.intervals import join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Best, Goal, Runs, Setting
+from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.at_angle import solve_at_angle
 from srs_ik.kernels.near.predicted import write_whole
@@ -35,6 +37,9 @@ from srs_ik.kernels.near.second_attempts import stretched
 
 LOOKS = 2
 """So many parts of an interval are looked at the ends of, where nothing else tells a posture of it."""
+
+TRACE = 1e-6
+"""Limits farther out by this, rad, tell postures that rounding may have hidden: at a singular limit it is the root."""
 
 
 @kernel
@@ -59,6 +64,22 @@ def true_intervals(P, target, respect, out, J, A):
     rows, _, k, _ = near_runs(P, by, runs)
     spans = np.empty((MAX_SPANS, SPAN))
     return write_spans(spans, find_spans(P, by, rows, runs[:k], spans), out)
+
+
+@kernel
+def has_none(P, target, J, A):
+    """Whether no posture keeps the limits: no curve does, nor if they are a trace wider, and no other is there.
+
+    For certain: how far an almost straight elbow reaches, all around, tells that these are all curves.
+    """
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
+    tighten(P, NO_SEED, math.inf, TRACE, box)
+    runs = np.empty((MAX_RUNS, RUN))
+    by = Setting(target, elbow_side(P, target.place, 0), True, J, A)
+    (_, _, k, _), certain = certain_runs(box, by, EVERY_PAIR, runs)
+    keep(boxes)
+    return k == 0 and certain == EVERY_PAIR
 
 
 @kernel

@@ -14,6 +14,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import copy, keep, row
+from srs_ik.kernels.chain.newton_eight import all_times
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.exact.intervals import SAME, intervals_of, join_touching, write_interval
@@ -24,6 +25,7 @@ from srs_ik.kernels.layout.limb import SIZE, SLACK_JOIN
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.surface import has_surface
+from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.arcs import (
     ARC,
     LONGEST_ON_ARCS,
@@ -36,8 +38,10 @@ from srs_ik.kernels.near.arcs import (
 )
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
+    band_of,
     may_meet_limits,
     may_predict_limits,
+    may_tell_none,
     may_turn_at_limit,
     widen,
     widest,
@@ -81,6 +85,24 @@ END_SHARE = 1e-3
 
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
+
+SAFE = 2.0
+"""Limits drawn out by so many bands leave out nothing: bands are measured at many configurations, not at all."""
+
+
+@kernel
+def is_surely_out(P, target):
+    """Whether no posture keeps the limits, as the band tells: none does when they are drawn out by more than it."""
+    place_ = target.place
+    band = all_times(SAFE, band_of(P, place_))
+    if not may_tell_none(P, place_, band):
+        return False
+    boxes = np.empty((1, SIZE))
+    possible = np.empty((8 * MAX_PIECES, 3))
+    widen(P, band, 1.0, row(boxes, 0))
+    n = intervals_of(row(boxes, 0), (elbow_side(P, place_, 0), elbow_side(P, place_, 1)), -1, possible)
+    keep(boxes)
+    return n == 0
 
 
 @kernel

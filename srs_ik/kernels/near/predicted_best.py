@@ -37,7 +37,8 @@ from srs_ik.kernels.near.arcs import (
     without_arcs,
 )
 from srs_ik.kernels.near.band import may_predict_limits, widen
-from srs_ik.kernels.near.predicted import predicted_intervals
+from srs_ik.kernels.near.intervals import has_none
+from srs_ik.kernels.near.predicted import is_surely_out, predicted_intervals
 from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
 from srs_ik.kernels.near.second_attempts import found_again, may_be_on_line
 from srs_ik.kernels.near.within import best_within, measure_points
@@ -161,13 +162,17 @@ def search_true(P, target, branch, goal, J, A):
         found, certain = predicted_best(P, target, branch, J, A)
         if certain:
             return found.q, branch_of(P, found.q), found.cost
-    best = search_followed(P, target, branch, goal, goal.respect, J, A)
-    if best[2] < OUTSIDE:
-        return best
+    best = goal.seed, max(branch, 0), 4.0 * NO_BRANCH
+    out = goal.respect and is_surely_out(P, target)
+    if not out:
+        best = search_followed(P, target, branch, goal, goal.respect, J, A)
+        if best[2] < OUTSIDE:
+            return best
+        out = goal.respect and has_none(P, target, J, A)
+    outside = search_followed(P, target, branch, goal, False, J, A)
+    if out and outside[2] < NO_BRANCH:
+        return outside
     hidden = found_again(P, target, branch, goal, J, A)
     if hidden[2] < best[2]:
         best = hidden
-    if best[2] < OUTSIDE:
-        return best
-    outside = search_followed(P, target, branch, goal, False, J, A)
     return outside if outside[2] < best[2] else best

@@ -23,6 +23,7 @@ from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_starts
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.band import is_oblique, is_well_bent
 from srs_ik.kernels.near.branch_search import close_starts, put_start
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 
@@ -231,9 +232,13 @@ def rescue(P, target, branch, goal, J, A):
 
 @kernel
 def found_again(P, target, branch, goal, J, A):
-    """A posture that the curves from the closed form have passed by: q, branch, cost."""
+    """A posture that the curves from the closed form have passed by: q, branch, cost.
+
+    All around, the closed form tells every branch where it neither lacks reach nor has oblique axes.
+    """
     found = look_around(P, target, branch, goal, J, A)
-    return found if found[2] < OUTSIDE else rescue(P, target, branch, goal, J, A)
+    told = found[2] < OUTSIDE or (is_well_bent(P, target.place) and not is_oblique(P))
+    return found if told else rescue(P, target, branch, goal, J, A)
 
 
 @kernel
