@@ -144,6 +144,24 @@ def test_a_branch_of_oblique_axes_with_two_postures_at_an_arm_angle_gives_the_on
     assert asked > 0
 
 
+def test_next_to_a_straight_elbow_the_best_posture_at_an_arm_angle_is_found():
+    arm = arms.load("gen3")
+    limited = np.isfinite(arm.lower)
+    half = 0.5 * (arm.upper - arm.lower)[limited]
+
+    def margin(q):
+        return float((np.minimum(q - arm.lower, arm.upper - q)[limited] / half).min())
+
+    rng = np.random.default_rng(3)
+    for _ in range(100):
+        q = rng.uniform(*np.clip([arm.lower, arm.upper], -np.pi, np.pi))
+        q[3] = 0.02 * rng.normal()
+        pose = arm.forward_kinematics(q)
+        solution = arm.solve(pose, arm_angle=arm.arm_angle(q))
+        assert max(arm.verify(pose, solution.q)) < 1e-9
+        assert margin(solution.q) > margin(q) - 1e-9, q.tolist()
+
+
 REACHING = [*((name, 0) for name in arms.here("gen3", "j2s7s300")), ("tilted", 6), ("tilted", 10), ("oblique", 3)]
 
 

@@ -7,7 +7,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import store7, with_joint
 from srs_ik.kernels.algebra.lanes import ALL, as_bits, scatter
-from srs_ik.kernels.algebra.pointers import read7, row
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.eight import in_own_branch, put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle, pose_step
 from srs_ik.kernels.chain.newton_eight import close_eight
@@ -23,6 +23,10 @@ from srs_ik.kernels.limb.triangle import elbow_side
 
 MOST_BENT = 0.3
 """Widest bend of the elbow, rad, that counts as almost straight."""
+
+AROUND = 4
+BENT_AROUND = 0.5
+"""Starts around the line S-W, next to a straight elbow, and their part of the bend of `bent_place`."""
 
 SPLITS = 4
 """Postures along a free split from which a curve of postures may be found."""
@@ -43,16 +47,19 @@ def almost_straight(P):
 
 
 @kernel
+def with_bend(place_, bend):
+    """A place whose elbow is bent at least so far, rad."""
+    t, h0, c, s, hand, miss = place_
+    return place_ if s >= bend else (t, h0, math.copysign(math.sqrt(1.0 - bend * bend), c), bend, hand, miss)
+
+
+@kernel
 def bent_place(P, place_):
     """A place whose elbow is not almost straight: there the bend depends on the square root of what its cosine is off.
 
     The bends of the true chain at a pose are so different that Newton's method starts better from a wider one.
     """
-    t, h0, c, s, hand, miss = place_
-    bend = min(MOST_BENT, almost_straight(P))
-    if s >= bend:
-        return place_
-    return t, h0, math.copysign(math.sqrt(1.0 - bend * bend), c), bend, hand, miss
+    return with_bend(place_, min(MOST_BENT, almost_straight(P)))
 
 
 @kernel
@@ -87,11 +94,12 @@ def start_all(P, place_, psi, seeded, seed, respect, A):
 
 
 @kernel
-def close_all(P, target, psi, wanted, goal, each, A):
+def close_all(P, target, psi, wanted, goal, pivots, A):
     """The postures of all branches at an arm angle (or of one, 0 to 7) into A, and their costs.
 
-    A cost is NO_BRANCH where there is no posture. Where each one that is missed will be looked for on curves (`each`),
-    steps with pivots are left out: from the same start, they seldom lead elsewhere, but next to a singular wrist.
+    A cost is NO_BRANCH where there is no posture. Steps with pivots follow where those in eight miss one (`pivots`), or
+    only next to a singular wrist: from the same start, they seldom lead elsewhere. Returns whether steps in eight have
+    led to every branch.
     """
     R, p, place_ = target
     seeded, seed, respect = goal
@@ -105,8 +113,8 @@ def close_all(P, target, psi, wanted, goal, each, A):
         closed, parts = farthest_turns(P, closed, respect)
         put_eight(rows, WIDTH, ALL, closed)
         scatter(rows, ROW_COST, WIDTH, join_parts(parts))
-        return
-    again = exist & ~as_bits(abs(sines[2]) > SINGULAR_WRIST) if each and bent[3] == place_[3] else exist
+        return True
+    again = exist if pivots else exist & ~as_bits(abs(sines[2]) > SINGULAR_WRIST)
     put_eight(rows, WIDTH, met, closed)
     for b in range(8):
         if wanted >= 0 and b != wanted:
@@ -119,6 +127,35 @@ def close_all(P, target, psi, wanted, goal, each, A):
         for j in range(7):
             A[FIRST + b, j] = q[j]
         A[FIRST + b, ROW_COST] = lowest
+    return met == ALL
+
+
+@kernel
+def put_around(P, target, psi, wanted, goal, each, A):
+    """Take over better postures into A, as `close_all` leaves it, from starts all around the line S-W.
+
+    Next to a straight elbow a branch may have two postures at an arm angle: the elbow turns on a circle beside that
+    line, and the half-plane of the arm angle cuts it twice. Another branch has none then.
+    """
+    R, p, place_ = target
+    seeded, seed, respect = goal
+    bent = with_bend(place_, BENT_AROUND * min(MOST_BENT, almost_straight(P)))
+    others = scratch(16, 9)
+    for k in range(AROUND + 1):
+        # The last ones are as straight as the closed form says.
+        start = bent if k < AROUND else place_
+        exist = start_all(P, start, psi + 2.0 * math.pi / AROUND * k, False, NO_SEED, False, others)
+        closed, met = close_eight(P, take_eight(row(others, FIRST), WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+        put_eight(row(others, FIRST), WIDTH, met, closed)
+        for b in range(8):
+            if (met & exist) >> b & 1 == 1:
+                q = turned(P, read7(row(others, FIRST + b)), seeded, seed, respect)
+                branch, value = branch_of(P, q), cost(P, q, seeded, seed, respect)
+                known = A[FIRST + branch, ROW_COST]
+                # Curves, on which each branch is looked for that is missed, tell more.
+                if wanted in (-1, branch) and value < known and not (each and known >= NO_BRANCH):
+                    store7(row(A, FIRST + branch), 0, q)
+                    A[FIRST + branch, ROW_COST] = value
 
 
 @kernel
@@ -136,7 +173,13 @@ def best_row(rows, first, wanted):
 @kernel
 def best_of_all(P, target, psi, wanted, goal, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
-    close_all(P, target, psi, wanted, goal, wanted >= 0, A)
+    close_all(P, target, psi, wanted, goal, wanted < 0, A)
+    return best_in(A, wanted)
+
+
+@kernel
+def best_in(A, wanted):
+    """The best posture of those in A, or that of a branch: q, branch, cost."""
     best = best_row(A, FIRST, wanted)
     return read7(row(A, FIRST + best)), best, A[FIRST + best, ROW_COST]
 

@@ -13,7 +13,7 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
+from srs_ik.kernels.chain.starts import FIRST, bent_place, best_in, close_all, put_around
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
@@ -73,6 +73,24 @@ def may_reach(P, place_):
 def is_crowded(P):
     """Whether a branch may have two postures at an arm angle also away from singularities: oblique axes that miss."""
     return band.is_oblique(P) and P[SHIFT] > band.ALMOST_NOTHING
+
+
+@kernel
+def is_almost_straight(P, place_):
+    """Whether the elbow of a pose is so straight that starts with it bent further lead to more postures."""
+    return bent_place(P, place_)[3] != place_[3]
+
+
+@kernel
+def close_branches(P, target, psi, wanted, goal, each, A):
+    """`close_all`, and what it may miss where an almost straight elbow has left a branch without a posture.
+
+    Each branch that is missed is looked for on curves afterwards (`each`), or none unless all are: these tell more.
+    """
+    straight = is_almost_straight(P, target.place)
+    met = close_all(P, target, psi, wanted, goal, straight == each, A)
+    if straight and not met and best_in(A, wanted)[2] < OUTSIDE and may_reach(P, target.place):
+        put_around(P, target, psi, wanted, goal, each, A)
 
 
 @kernel
@@ -217,7 +235,7 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
     """
     respect, J, A = work
     goal = Goal(False, NO_SEED, respect)
-    close_all(P, target, psi, -1, goal, True, A)
+    close_branches(P, target, psi, -1, goal, True, A)
     for branch in range(8):
         for i in range(8):
             found[branch, i] = A[FIRST + branch, i]
@@ -315,7 +333,8 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
     seeded, seed, respect = goal
     if P[IS_NEAR] == 0.0:
         return best_branch(P, place_, psi, wanted, seeded, seed, respect)
-    q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
+    close_branches(P, target, psi, wanted, goal, wanted >= 0, A)
+    q, best, lowest = best_in(A, wanted)
     if not may_reach(P, place_):
         return q, best, lowest
     branches = branches_in_question(P, target, psi, wanted, goal, lowest, A)
@@ -348,7 +367,7 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
         if lowest < OUTSIDE:
             return q, best, lowest
     if wanted >= 0:
-        close_all(P, target, psi, -1, goal, True, A)
+        close_all(P, target, psi, -1, goal, is_almost_straight(P, place_), A)
         other, _, value = on_border(P, A[FIRST:], wanted, goal)
         if value < OUTSIDE and not seeded:
             return other, wanted, value
