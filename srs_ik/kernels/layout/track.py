@@ -47,7 +47,8 @@ ASKED = 350  # what a search of the whole redundancy said of a target that rests
 ASK_FROM = 351  # the update from which on that may be asked again
 SPACING = 352  # 4, periods between the last targets, the newest first
 EVERY = 356  # mean of these when noise was measured last
-STATE = 357
+KEPT = 357  # 6, directions from shoulder to wrist, and across it to the elbow, where that is kept from
+STATE = 363
 
 WINDOWED = 32
 """Samples of which the noise of a target is the median."""

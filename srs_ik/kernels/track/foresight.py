@@ -17,7 +17,7 @@ from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.track.closest import column, dot6, error_at
-from srs_ik.kernels.track.elbow import slope, wish
+from srs_ik.kernels.track.elbow import keep_elbow, slope, wish
 from srs_ik.kernels.track.freedom import whole_rotation
 from srs_ik.kernels.track.target import load_pace
 from srs_ik.kernels.track.trend import foretold
@@ -38,10 +38,15 @@ TURNING = 2.0
 FAR_OFF = 5e-3
 """Misses larger than this, m, cost in proportion, not by their square: a jump is no reason to hurry."""
 
-SLOW = 3.0
-ASKED_SLOW = 0.05
-"""Cost of the largest velocity, the second while something is asked of the elbow; that of the largest acceleration
-is 1."""
+SLOW = 0.05
+KEPT_SLOW = 3.0
+"""Cost of the largest velocity, the second where the elbow is kept, unless the target is slow; that of the largest
+acceleration is 1. For the second the elbow goes to where a motion costs less, the same way as the target comes and as
+it goes: on a slow target, which needs none of this, it would wander."""
+
+CALM = 0.3
+PACED = 1e-3
+"""A target is slow up to about the first, m/s and, by the reach, rad/s. The second is next to nothing."""
 
 BUSY = 0.05
 """A target that is faster than this, m/s and, by the reach, rad/s, does not rest."""
@@ -56,7 +61,9 @@ PRICE = 0.3
 
 VERGE = 0.1
 STEEP = 25.0
-"""The same for the last stretch, at rest too."""
+THIN = 0.2
+"""The same for the last stretch, at rest too. At rest, where something is asked of the elbow, which may lie behind it,
+that is only so much as long."""
 
 ASKED = 4
 """The knot at which something is asked of the elbow, 0.38 s ahead: at the end of the plan it would take its time."""
@@ -76,10 +83,16 @@ def when(k):
 
 
 @kernel
+def pace(P, S):
+    """How fast the target moves, m/s and, by the reach, rad/s."""
+    v, w = load_pace(S)
+    return norm(v) + P[FAR] * norm(w)
+
+
+@kernel
 def busyness(P, S):
     """0 where the target rests, 1 where it moves at a good pace."""
-    v, w = load_pace(S)
-    return min((norm(v) + P[FAR] * norm(w)) / BUSY, 1.0)
+    return min(pace(P, S) / BUSY, 1.0)
 
 
 @kernel
@@ -149,7 +162,7 @@ def add_motion(S, C, slow, B):
 
 
 @kernel
-def add_room(P, S, B, price):
+def add_room(P, S, B, price, verge):
     """Add what joints close to their limits cost."""
     for k in range(at.KNOTS):
         for j in range(7):
@@ -158,8 +171,8 @@ def add_room(P, S, B, price):
             side, room = (-1.0, up) if up < down else (1.0, down)
             if room < ROOM:
                 add_square(B, i, 0.0, 0.0, 1.0, price / ROOM**2, side * (ROOM - room))
-            if room < VERGE:
-                add_square(B, i, 0.0, 0.0, 1.0, STEEP / VERGE**2, side * (VERGE - room))
+            if room < verge:
+                add_square(B, i, 0.0, 0.0, 1.0, STEEP / verge**2, side * (verge - room))
 
 
 @kernel
@@ -181,12 +194,12 @@ def add_poses(P, S, C, J, B):
 
 
 @kernel
-def add_wish(P, S, C, task, J, B):
-    """Add what is asked of the elbow."""
+def add_wish(P, S, C, task, calm, J, B):
+    """Add what is asked of the elbow; `calm` is the share by which it is drawn back where it is kept."""
     q = read7(row(S, at.KNOT + 7 * (ASKED - 1)))
     R, p = foretold(S, when(ASKED))
     pose = whole_rotation(P, C, q, R), p
-    way, pull = wish(P, C, task, q, pose, J)
+    way, pull = wish(P, S, C, task, q, pose, calm, J)
     if pull == 0.0:
         return
     rise = slope(P, q, pose)
@@ -204,10 +217,13 @@ def improve(P, S, C, task, work):
     for i in range(7 * at.KNOTS):
         for k in range(at.BAND + 2):
             B[i, k] = 0.0
-    add_motion(S, C, SLOW if C[at.ELBOW] == at.KEEP else ASKED_SLOW, B)
-    add_room(P, S, B, PRICE * busyness(P, S))
+    keep, busy = C[at.ELBOW] == at.KEEP, busyness(P, S)
+    fast = 1.0 / (1.0 + (CALM / max(pace(P, S), PACED)) ** 4)
+    calm = busy * (1.0 - fast)
+    add_motion(S, C, SLOW + (1.0 - calm) * (KEPT_SLOW - SLOW) if keep else SLOW, B)
+    add_room(P, S, B, PRICE * busy, VERGE if keep else max(busy, THIN) * VERGE)
     add_poses(P, S, C, J, B)
-    add_wish(P, S, C, task, J, B)
+    add_wish(P, S, C, task, calm, J, B)
     solve_band(B, 7 * at.KNOTS, at.BAND)
     for j in range(7):
         before = S[at.PLAN_Q + j]
@@ -224,6 +240,8 @@ def improve(P, S, C, task, work):
 @kernel
 def foresee(P, S, C, task, work):
     """Plan anew, from the plan before; `task` are the parameters of the elbow's objective, `work` J, A and B."""
+    if S[at.PLANNED] == 0.0 or C[at.ELBOW] != at.KEEP:
+        keep_elbow(P, S)
     begin(S)
     for _ in range(STEPS):
         improve(P, S, C, task, work)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from srs_ik.kernels.entries.pose import angles_towards
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.collision import WIDE_CLEARANCE
 from srs_ik.kernels.layout.objectives import PARAMS
+from srs_ik.solve.intervals import intervals
 from srs_ik.solve.objectives import Objective
 from srs_ik.system.arrays import Array
 
@@ -30,12 +32,26 @@ GAIN = 1e-4
 
 CHOICES = '"keep", an arm angle, rad, a point (3,), m, a built-in Objective or its name, a Task or a Scene'
 
+TURN = 2.0 * math.pi
+
+SAME = 1e-3
+"""A target that has moved no more than this, m and rad, has the same intervals, for the way round in them."""
+
+BESIDE = 0.05
+"""The elbow is in an interval if it is this far outside of it, rad: intervals may be those of a moment ago."""
+
+AHEAD = 1.0
+"""The way round is told by an arm angle this far ahead at most, rad, so that the shorter way leads there."""
+
 Chosen = tuple[float, float, Array]
 """Number of a policy, its arm angle, and the parameters of its objective."""
 
+Choose = Callable[[Array, bool], float]
+"""Tells the arm angle that is asked for, of a posture on the target, and whether that rests."""
 
-def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Callable[[Array, Array], float] | None]:
-    """What kernels know of a policy, and what tells the arm angle that is asked for, from pose and posture, or None.
+
+def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Choose | None]:
+    """What kernels know of a policy, and what tells the arm angle that is asked for now and then, or None.
 
     Raises:
         InvalidTask: no such objective, one that kernels do not compute, or more than one task.
@@ -60,8 +76,8 @@ def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Cal
         return (at.KEEP, 0.0, none), _Clearance(packed, owner, elbow)
     psi, point = as_elbow(elbow, what=CHOICES)
     if psi is None:
-        return (at.KEEP, 0.0, none), _Towards(packed, point)
-    return (at.ANGLE, psi, none), None
+        return (at.KEEP, 0.0, none), _Towards(packed, owner, point)
+    return (at.ANGLE, psi, none), _Angle(packed, owner, psi)
 
 
 def _ratio(task: Task) -> Objective:
@@ -78,16 +94,46 @@ def _is_scene(elbow: Any) -> bool:
     return isinstance(elbow, Scene)
 
 
-class _Towards:
+class _Angle:
+    """An arm angle; at rest, one on the way to it that the limits leave open."""
+
+    def __init__(self, packed: PackedArm, owner: BodyOwner, psi: float) -> None:
+        self._packed, self._owner, self._psi = packed, owner, psi
+        self._at, self._open = np.full((4, 4), np.nan), np.empty((0, 2))
+
+    def __call__(self, q: Array, rests: bool) -> float:
+        return self._way_round(self._owner.forward_kinematics(q).homogeneous, q, self._psi) if rests else self._psi
+
+    def _way_round(self, T: Array, q: Array, wanted: float) -> float:
+        """An arm angle ahead on the shortest way, within the interval of q, to where that comes closest to another."""
+        here, branch = configuration_arm_angle(self._packed.family, q.copy())
+        if not np.abs(T - self._at).max() < SAME:
+            own = [part for part in intervals(self._packed, T, True) if part.branch == branch]
+            self._at, self._open = T, np.array([part[1:] for part in own]).reshape(-1, 2)
+        up = (wanted - here) % TURN
+        for lower, upper in self._open:
+            back = (here - lower + BESIDE) % TURN - BESIDE
+            on = upper - lower - back
+            if on > -BESIDE:
+                ways = [way for way in (up, up - TURN, on, -back) if -back <= way <= on]
+                best = min(ways, key=lambda way: (round(abs(math.remainder(up - way, TURN)), 6), abs(way)))
+                return here + min(max(best, -AHEAD), AHEAD)
+        return wanted
+
+
+class _Towards(_Angle):
     """The arm angle at which the elbow is nearest to a point."""
 
-    def __init__(self, packed: PackedArm, point: Array) -> None:
-        self._packed, self._point = packed, point
+    def __init__(self, packed: PackedArm, owner: BodyOwner, point: Array) -> None:
+        super().__init__(packed, owner, 0.0)
+        self._point = point
 
-    def __call__(self, T: Array, q: Array) -> float:
-        psi = np.empty(1)
+    def __call__(self, q: Array, rests: bool) -> float:
+        T, psi = self._owner.forward_kinematics(q).homogeneous, np.empty(1)
         angles_towards(self._packed.family, T[None], self._point, psi)
-        return float(psi[0]) if np.isfinite(psi[0]) else configuration_arm_angle(self._packed.family, q.copy())[0]
+        if not np.isfinite(psi[0]):
+            return float(configuration_arm_angle(self._packed.family, q.copy())[0])
+        return self._way_round(T, q, float(psi[0])) if rests else float(psi[0])
 
 
 class _Clearance:
@@ -98,8 +144,9 @@ class _Clearance:
 
         self._around = Surroundings(owner, packed, scene, 0.0)
 
-    def __call__(self, T: Array, q: Array) -> float:
+    def __call__(self, q: Array, rests: bool) -> float:
         around = self._around
+        T = around.arm.forward_kinematics(q).homogeneous
         around.tables = around.arm.tables(around.scene)  # objects where they are now
         here, branch = configuration_arm_angle(around.packed.family, q.copy())
         clear = [float(around.clearance(T, int(branch) >> 2, here + ahead)[WIDE_CLEARANCE]) for ahead in LOOK]

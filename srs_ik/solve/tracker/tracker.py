@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from enum import StrEnum
 from threading import RLock
@@ -25,7 +25,7 @@ from srs_ik.solve.freedom import met_batch
 from srs_ik.solve.freedom import solve as solve_free
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
-from srs_ik.solve.tracker.elbow import chosen
+from srs_ik.solve.tracker.elbow import Choose, chosen
 from srs_ik.solve.tracker.jerk import JerkFilter
 from srs_ik.system.arrays import Array
 
@@ -236,7 +236,7 @@ class Tracker(Fixed):
     @elbow.setter
     def elbow(self, elbow: Any) -> None:
         (kind, angle, parameters), self._choose = chosen(elbow, self._packed, self._arm)
-        self._settings[at.ELBOW], self._settings[at.ANGLE_WANTED] = kind, angle
+        self._settings[at.ELBOW], self._settings[at.ANGLE_WANTED] = self._policy = kind, angle
         self._settings[at.SETTINGS :] = parameters
         self._elbow, self._just_set = elbow, True
 
@@ -329,16 +329,15 @@ class Tracker(Fixed):
             self._send(self._jerk, out, None if pose is None else T)
         return TrackerStep(out, self._packed.joint_names)
 
-    def _choose_elbow(self, choose: Callable[[Array, Array], float]) -> None:
-        """Ask for the arm angle that suits the elbow's policy now and then; on no target, the elbow is kept."""
+    def _choose_elbow(self, choose: Choose) -> None:
+        """Ask for the arm angle that suits the elbow's policy now and then, while the tip is on the target."""
         if int(self._state[at.TICK]) % CHOSEN_EVERY and not self._just_set:
             return
         self._just_set = False
-        on = self._state[at.ON] == 1.0
-        self._settings[at.ELBOW] = at.ANGLE if on else at.KEEP
-        if on:
-            q = self._state[at.Q : at.V]
-            self._settings[at.ANGLE_WANTED] = choose(self._arm.forward_kinematics(q).homogeneous, q)
+        policy = self._policy
+        if self._state[at.ON] == 1.0:
+            policy = at.ANGLE, choose(self._state[at.Q : at.V], self._state[at.ASKED] != at.MOVES)
+        self._settings[at.ELBOW], self._settings[at.ANGLE_WANTED] = policy
 
     def _ask(self, out: Array) -> None:
         """Before a target that rests is said to be out of reach, once: search its whole redundancy, as `solve` does."""
@@ -426,8 +425,9 @@ class Tracker(Fixed):
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy begins with: an update writes in place, and must not move another tracker."""
-        own = {name: vars(self)[name].copy() for name in ("_state", "_settings", "_work")}
-        return {**vars(self), **own, "_jerk": copy(self._jerk), "_one": None}
+        own: dict[str, Any] = {name: vars(self)[name].copy() for name in ("_state", "_settings", "_work")}
+        own |= {"_jerk": copy(self._jerk), "_choose": copy(self._choose), "_one": None}
+        return {**vars(self), **own}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """A copy's limits are fixed, too: NumPy forgets that of arrays that are copied."""
