@@ -260,8 +260,8 @@ def test_without_limits_the_pose_is_met_too():
         ({"free_axis": [0, 0, 0]}, "3 finite numbers"),
         ({"free_axis": "z"}, "not 'z'"),
         ({"free_axis": [1, 2]}, "3 finite numbers"),
-        ({"free_axis": [0, 0, 1], "arm_angle": 0.0}, "leaves arm_angle to be chosen"),
-        ({"free_axis": [0, 0, 1], "branch": 0}, "leaves branch to be chosen"),
+        ({"free_axis": [0, 0, 1], "arm_angle": 0.0}, "free_axis does not go with arm_angle"),
+        ({"free_axis": [0, 0, 1], "branch": 0}, "free_axis does not go with branch"),
     ],
 )
 def test_wrong_free_axes_are_named(given, words):
