@@ -29,7 +29,7 @@ FARTHEST = 0.36
 PULL = 30.0
 """What a radian away from the arm angle that is asked for costs, squared."""
 
-KEPT_PULL = 0.7
+KEPT_PULL = 0.3
 """The same for where the elbow is kept; twice that without a turn of the line from shoulder to wrist."""
 
 OPPOSITE = 0.05

@@ -218,7 +218,8 @@ def improve(P, S, C, task, work):
         for k in range(at.BAND + 2):
             B[i, k] = 0.0
     keep, busy = C[at.ELBOW] == at.KEEP, busyness(P, S)
-    fast = 1.0 / (1.0 + (CALM / max(pace(P, S), PACED)) ** 4)
+    # Steep, so that what is slower than that is hardly drawn aside, and what is faster as ever.
+    fast = 1.0 / (1.0 + (CALM / max(pace(P, S), PACED)) ** 8)
     calm = busy * (1.0 - fast)
     add_motion(S, C, SLOW + (1.0 - calm) * (KEPT_SLOW - SLOW) if keep else SLOW, B)
     add_room(P, S, B, PRICE * busy, VERGE if keep else max(busy, THIN) * VERGE)
