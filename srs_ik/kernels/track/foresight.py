@@ -15,6 +15,7 @@ from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
+from srs_ik.kernels.limb.branches import singular_sines
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.track.closest import column, dot6, error_at
 from srs_ik.kernels.track.elbow import keep_elbow, slope, wish
@@ -47,6 +48,9 @@ it goes: on a slow target, which needs none of this, it would wander."""
 CALM = 0.3
 PACED = 1e-3
 """A target is slow up to about the first, m/s and, by the reach, rad/s. The second is next to nothing."""
+
+INVOLVED = 0.2
+"""Sine of a middle joint, away from where it is singular, below which it is close to that."""
 
 BUSY = 0.05
 """A target that is faster than this, m/s and, by the reach, rad/s, does not rest."""
@@ -211,6 +215,16 @@ def add_wish(P, S, C, task, calm, J, B):
 
 
 @kernel
+def singular_share(P, S):
+    """0 where shoulder, elbow or wrist is singular on the plan, where the elbow has to turn aside; 1 well away."""
+    least = INVOLVED
+    for k in range(at.KNOTS):
+        s2, s4, s6 = singular_sines(P, read7(row(S, at.KNOT + 7 * k)))
+        least = min(least, s2, s4, s6)
+    return (least / INVOLVED) ** 2
+
+
+@kernel
 def improve(P, S, C, task, work):
     """A step of Gauss and Newton of the plan; arguments as in `foresee`."""
     J, _, B = work
@@ -220,7 +234,7 @@ def improve(P, S, C, task, work):
     keep, busy = C[at.ELBOW] == at.KEEP, busyness(P, S)
     # Steep, so that what is slower than that is hardly drawn aside, and what is faster as ever.
     fast = 1.0 / (1.0 + (CALM / max(pace(P, S), PACED)) ** 8)
-    calm = busy * (1.0 - fast)
+    calm = busy * (1.0 - fast) * singular_share(P, S)
     add_motion(S, C, SLOW + (1.0 - calm) * (KEPT_SLOW - SLOW) if keep else SLOW, B)
     add_room(P, S, B, PRICE * busy, VERGE if keep else max(busy, THIN) * VERGE)
     add_poses(P, S, C, J, B)
