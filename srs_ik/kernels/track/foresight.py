@@ -49,7 +49,7 @@ CALM = 0.3
 PACED = 1e-3
 """A target is slow up to about the first, m/s and, by the reach, rad/s. The second is next to nothing."""
 
-INVOLVED = 0.2
+INVOLVED = 0.17
 """Sine of a middle joint, away from where it is singular, below which it is close to that."""
 
 BUSY = 0.05
