@@ -144,9 +144,10 @@ def test_a_replay_needs_a_path_and_a_rate(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_replay_is_a_page_and_no_video(tmp_path):
-    with pytest.raises(srs_ik.PreviewError, match=r"such as scene.html, not .*motion\.mp4"):
-        record().replay(tmp_path / "motion.mp4")
+def test_a_replay_is_a_page_and_no_video(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(srs_ik.PreviewError, match=r"such as scene.html, not 'motion\.mp4'"):
+        record().replay("motion.mp4")
     assert not list(tmp_path.iterdir())
 
 
