@@ -626,5 +626,8 @@ def test_a_planning_scene_that_is_told_again_and_again():
         assert scene.names == ("lamp", "cup")
     told(scene, Message(id="cup", operation=b"\x01"))
     assert scene.names == ("lamp",)
+    for operation in (1, 3):
+        with pytest.raises(InvalidScene, match="the scene has no 'cup'"):
+            told(scene, Message(id="cup", operation=operation, pose=at(1, 1, 1)))
     told(scene, cup, Message(id="", operation=1))
     assert scene.names == ()

@@ -343,8 +343,9 @@ class Scene(Fixed):
                 self.remove(name)
         for given in told.parts:
             self._add_given(given)
-        names = [given.arguments[0] for given in told.parts]
-        self._told[told.name] = {name: np.linalg.inv(told.place) @ self._things[name].T for name in names}
+        if told.parts:
+            names = [given.arguments[0] for given in told.parts]
+            self._told[told.name] = {name: np.linalg.inv(told.place) @ self._things[name].T for name in names}
 
     @classmethod
     def from_file(cls, file: str | Path, exact: bool = False) -> Scene:
