@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli.chosen import Chosen, choosing
-from srs_ik.cli.joint_file import read_joints
-from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, numbers
-from srs_ik.cli.poses import JOINTS, angles, unit_of
+from srs_ik.cli.joint_file import GivenJoints, JointsFile, read_joints, refuse_both_or_none
+from srs_ik.cli.options import AsJson, Source, WrongInput, fail, numbers
+from srs_ik.cli.poses import angles, unit_of
 from srs_ik.cli.scenes import Meshes, with_meshes
 
 if TYPE_CHECKING:
@@ -22,13 +22,8 @@ if TYPE_CHECKING:
 def collisions(
     source: Source,
     chosen: Chosen,
-    q: Annotated[Seven | None, typer.Option(metavar=JOINTS, help="Joint angles of the arm.")] = None,
-    file: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="JOINTS.csv", help="Joint angles of many postures, one a line; the header names the joints."
-        ),
-    ] = None,
+    q: GivenJoints = None,
+    file: JointsFile = None,
     path: Annotated[
         bool, typer.Option("--path", help="With --file: straight lines from each posture to the next as well.")
     ] = False,
@@ -46,8 +41,7 @@ def collisions(
     One posture by --q, or those of a CSV file by --file, such as 'srs-ik path --out' and 'follow --out' write. Exit
     status 1 if something meets.
     """
-    if (q is None) == (file is None):
-        raise WrongInput(f"give the joint angles: --q {JOINTS}, or --file JOINTS.csv")
+    refuse_both_or_none(q, file)
     if path and file is None:
         raise WrongInput("--path goes with --file JOINTS.csv")
     unit = unit_of(degrees)

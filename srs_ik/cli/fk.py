@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli.chosen import Chosen, choosing
-from srs_ik.cli.joint_file import read_joints
-from srs_ik.cli.options import AsJson, Seven, Source, WrongInput
+from srs_ik.cli.joint_file import GivenJoints, JointsFile, read_joints, refuse_both_or_none
+from srs_ik.cli.options import AsJson, Source
 from srs_ik.cli.pose_file import POSITION, QUATERNION, refuse_onto, write_table
-from srs_ik.cli.poses import JOINTS, angles, unit_of
+from srs_ik.cli.poses import angles, unit_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,13 +23,8 @@ if TYPE_CHECKING:
 def fk(
     source: Source,
     chosen: Chosen,
-    q: Annotated[Seven | None, typer.Option(metavar=JOINTS, help="Joint angles of the arm.")] = None,
-    file: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="JOINTS.csv", help="Joint angles of many configurations, one a line; the header names the joints."
-        ),
-    ] = None,
+    q: GivenJoints = None,
+    file: JointsFile = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="POSES.csv", help="Write the poses here, as 'srs-ik path' and 'solve --file' read them."),
@@ -41,8 +36,7 @@ def fk(
 
     One configuration by --q, or those of a CSV file by --file, such as 'srs-ik path --out' and 'solve --out' write.
     """
-    if (q is None) == (file is None):
-        raise WrongInput(f"give the joint angles: --q {JOINTS}, or --file JOINTS.csv")
+    refuse_both_or_none(q, file)
     unit = unit_of(degrees)
     refuse_onto(out, file)
     given = None if q is None else angles("--q", q, unit)

@@ -4,14 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from srs_ik.cli.options import WrongInput
+import typer
+
+from srs_ik.cli.options import Seven, WrongInput
 from srs_ik.cli.pose_file import figures, read_table
-from srs_ik.cli.poses import warn_of_degrees
+from srs_ik.cli.poses import JOINTS, warn_of_degrees
 
 if TYPE_CHECKING:
     import numpy as np
+
+GivenJoints = Annotated[Seven | None, typer.Option(metavar=JOINTS, help="Joint angles of the arm.")]
+JointsFile = Annotated[
+    Path | None,
+    typer.Option(metavar="JOINTS.csv", help="Joint angles of many postures, one a line; the header names the joints."),
+]
+
+
+def refuse_both_or_none(q: Seven | None, file: Path | None) -> None:
+    """Raise WrongInput where joint angles are given neither by words nor by a file, or by both."""
+    if (q is None) == (file is None):
+        raise WrongInput(f"give the joint angles: --q {JOINTS}, or --file JOINTS.csv")
 
 
 def read_joints(path: Path, joint_names: Sequence[str], unit: float) -> np.ndarray:
