@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, Self
@@ -11,13 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.collision.figures import (
-    LARGEST,
+    as_faces,
     as_margin,
     as_name,
     as_points,
     as_pose,
     as_positive,
+    as_size,
     as_vector,
+    triangles_of,
     warn_of_a_large_box,
     warn_of_millimetres,
 )
@@ -25,7 +26,7 @@ from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
 from srs_ik.collision.thing import CELL, Thing, ball_of, cells_of
 from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.fixed import Fixed
-from srs_ik.inputs.numbers import as_flag, real_array, real_number
+from srs_ik.inputs.numbers import as_flag
 from srs_ik.inputs.poses import PoseLike
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kinematics import check_arm
@@ -33,12 +34,11 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
-    from srs_ik.collision.scene_files import Given, Told
+    from srs_ik.collision.scene_files import Given
+    from srs_ik.collision.scene_messages import Told
 
 MESH_SPHERES = 96
 """Spheres that cover a mesh, about."""
-
-MOST_TRIANGLES = 1_000_000
 
 
 def check_scene(scene: Any) -> None:
@@ -176,28 +176,8 @@ class Scene(Fixed):
         Raises:
             InvalidScene: the name is taken, the pose or the scale is none, or the file cannot be read.
         """
-        from srs_ik.meshes.files import FORMATS, MeshMissing, file_size, read_mesh
-
-        if not isinstance(file, str | Path):
-            raise InvalidScene(f"the file of {quoted(name)} is a path, not {quoted(file)}")
-        path = Path(file)
-        factors = np.zeros(3)
-        with contextlib.suppress(TypeError, ValueError):
-            factors = np.broadcast_to(real_array(scale), 3)
-        if not (np.isfinite(factors).all() and factors.all()):
-            raise InvalidScene(f"scale of {quoted(name)} must be one number or three, not zero")
-        if path.suffix.lower() not in FORMATS:
-            raise InvalidScene(f"{quoted(str(file))} is none of {', '.join(sorted(FORMATS))}")
-        try:
-            if path.exists() and not path.is_file():
-                raise MeshMissing(f"{quoted(str(path))} is not a regular file")
-            file_size(path)
-            meshes = [mesh for mesh, _ in read_mesh(path)]
-        except (MeshMissing, ValueError) as error:
-            raise InvalidScene(f"the mesh of {quoted(name)} is not at hand: {error}") from None
-        starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
-        faces = np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts[:-1], strict=True)])
-        self.add_triangles(name, pose, np.concatenate([mesh.vertices for mesh in meshes]) * factors, faces)
+        vertices, faces = triangles_of(file, scale, name)
+        self.add_triangles(name, pose, vertices, faces)
 
     def add_triangles(self, name: str, pose: PoseLike, vertices: ArrayLike, faces: ArrayLike) -> None:
         """Add a mesh of vertices (n, 3), m, and faces (m, 3), covered by spheres.
@@ -208,16 +188,7 @@ class Scene(Fixed):
         from srs_ik.collision.bodies import covered_mesh
 
         points = as_points(vertices, name)
-        try:
-            triangles = np.asarray(faces)
-        except ValueError:
-            triangles = np.empty(0)
-        fits = triangles.ndim == 2 and triangles.shape[1:] == (3,) and 0 < len(triangles) <= MOST_TRIANGLES
-        if not (fits and triangles.dtype.kind in "iu" and triangles.min() >= 0 and triangles.max() < len(points)):
-            raise InvalidScene(
-                f"faces of {quoted(name)} are (m, 3) places in its vertices, at least one and at most {MOST_TRIANGLES}"
-            )
-        triangles = triangles.astype(np.int64)
+        triangles = as_faces(faces, len(points), name)
         thing = Thing(as_name(name), as_pose(pose, name), (Form("mesh", (), np.eye(4), points, triangles),))
         warn_of_millimetres(points, name)
         self._put_spheres(thing, covered_mesh(points, triangles, MESH_SPHERES)[0])
@@ -231,11 +202,7 @@ class Scene(Fixed):
                 the radius is negative.
         """
         cloud = as_points(points, name)
-        size = real_number(radius)
-        if not 0.0 <= size <= LARGEST:
-            raise InvalidScene(
-                f"radius of {quoted(name)} must be a number from 0 to {LARGEST:g} m, not {quoted(radius)}"
-            )
+        size = as_size(radius, f"radius of {quoted(name)}")
         thing = Thing(as_name(name), np.eye(4))
         self._put_spheres(thing, np.column_stack([cloud, np.full(len(cloud), size)]))
         self._put(thing)
@@ -315,7 +282,7 @@ class Scene(Fixed):
             InvalidScene: it is none of these, it has an octomap, attached objects or padded links, an object has planes
                 or is to be appended to, it is not there, or figures make no sense.
         """
-        from srs_ik.collision.scene_files import of_message
+        from srs_ik.collision.scene_messages import of_message
 
         before = dict(self._things), dict(self._told)
         try:
@@ -327,7 +294,7 @@ class Scene(Fixed):
             raise
 
     def _do(self, told: Told) -> None:
-        from srs_ik.collision.scene_files import MOVE, REMOVE
+        from srs_ik.collision.scene_messages import MOVE, REMOVE
 
         shapes = self._told.pop(told.name, {told.name: np.eye(4)})
         if told.operation == MOVE:

@@ -32,7 +32,7 @@ def keep_clear(
     """
     arm, around, start = problem.arm, problem.around, problem.seed
     assert around is not None
-    found = with_breaks(problem, None, alone._rows)
+    found = with_breaks(problem, alone._rows)
     if found and all(around.is_clear(q) for q in found.q):
         return found
     nearest = None if start is None else freedom.solve(around, problem.T[0], free, start, True)
@@ -48,4 +48,4 @@ def keep_clear(
         rows[i] = freedom.solve(around, problem.T[i], free, rows[i - 1, :7] if i else start, True)._row
     if (rows[~best.ok, ROW_STATUS] == Status.OK).any():
         rows[:, :7] = unwound(problem, rows)
-    return with_breaks(problem, None, rows)
+    return with_breaks(problem, rows)

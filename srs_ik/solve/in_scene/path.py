@@ -60,22 +60,23 @@ def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution
             break
     assert best is not None
     _, way, rows, edges, asked = best[1]
-    return with_breaks(problem, way, rows, asked, edges)
+    return _path(problem, rows, breaks_of(asked, way, rows, joint_steps(rows)), edges)
 
 
-def with_breaks(
-    problem: Problem, way: Way | None, rows: Array, asked: Problem | None = None, edges: Edges | None = None
-) -> PathSolution:
-    """A path of these rows with its breaks, of postures and of lines between them.
+def with_breaks(problem: Problem, rows: Array) -> PathSolution:
+    """The path of these rows, with its breaks at postures and on lines between them."""
+    around = problem.around
+    assert around is not None
+    edges = Edges(around, rows[:, :7], _lines(problem, rows), around.is_exact)
+    return _path(problem, rows, breaks_of(problem, None, rows, joint_steps(rows)), edges)
 
-    `asked` is the problem as it was planned, `edges` are its lines where these are known already.
-    """
+
+def _path(problem: Problem, rows: Array, at_poses: Sequence[PathBreak], edges: Edges) -> PathSolution:
+    """The path of these rows, with its breaks at poses and those of its lines."""
     arm, around, steps = problem.arm, problem.around, joint_steps(rows)
     assert around is not None
-    lines = Edges(around, rows[:, :7], _lines(problem, rows), around.is_exact) if edges is None else edges
-    breaks = [*breaks_of(asked or problem, way, rows, steps), *_blocked(lines, steps, arm.joint_names)]
-    hits = around.hits_of(problem.T, rows)
-    return PathSolution(rows, arm.joint_names, steps, sorted(breaks, key=_sample), arm.elbow, hits, problem)
+    breaks = sorted([*at_poses, *_blocked(edges, steps, arm.joint_names)], key=lambda each: each.sample)
+    return PathSolution(rows, arm.joint_names, steps, breaks, arm.elbow, around.hits_of(problem.T, rows), problem)
 
 
 class _Room:
@@ -144,7 +145,3 @@ def _blocked(edges: Edges, steps: Array, joint_names: Sequence[str]) -> list[Pat
         jump = float(abs(steps[hit.sample, joint]))
         breaks.append(PathBreak(hit.sample + 1, jump, joint_names[joint], message, bodies=(first, second)))
     return breaks
-
-
-def _sample(broken: PathBreak) -> int:
-    return broken.sample
