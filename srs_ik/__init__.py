@@ -61,14 +61,15 @@ if TYPE_CHECKING:
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.free_splits import FreeSplit
     from srs_ik.solve.in_scene.edges import PathCollision
-    from srs_ik.solve.intervals import IntervalsBatch
+    from srs_ik.solve.intervals import Interval, IntervalsBatch
     from srs_ik.solve.objectives import OBJECTIVES, Objective
     from srs_ik.solve.optimise import Optimum
     from srs_ik.solve.path.breaks import PathBreak
     from srs_ik.solve.path.solution import PathSolution
     from srs_ik.solve.posture import Posture
     from srs_ik.solve.self_motion import SelfMotion
-    from srs_ik.solve.solution import BatchSolution, Collision, Interval, Solution, Solutions, Status
+    from srs_ik.solve.solution import Collision, Solution, Status
+    from srs_ik.solve.solutions import BatchSolution, Solutions
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 __version__ = "0.1.0"
@@ -105,7 +106,7 @@ _MODULES = {
     "solve.derivatives": ("SolutionDerivatives",),
     "solve.free_splits": ("FreeSplit",),
     "solve.in_scene.edges": ("PathCollision",),
-    "solve.intervals": ("IntervalsBatch",),
+    "solve.intervals": ("Interval", "IntervalsBatch"),
     "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
     "maps.build": ("build_map",),
@@ -120,12 +121,14 @@ _MODULES = {
     "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
     "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
-    "solve.solution": ("BatchSolution", "Collision", "Interval", "Solution", "Solutions", "Status"),
+    "solve.solution": ("Collision", "Solution", "Status"),
+    "solve.solutions": ("BatchSolution", "Solutions"),
     "solve.posture": ("Posture",),
     "inputs.freedom": ("FreeAxis",),
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
-    "solve.tracker.tracker": ("Tracker", "TrackerStatus", "TrackerStep"),
+    "solve.tracker.step": ("TrackerStatus", "TrackerStep"),
+    "solve.tracker.tracker": ("Tracker",),
 }
 NAMESPACES = ("analysis", "control", "maps", "paper", "plots", "preview", "sim")
 """Rooms that have public names of their own."""

@@ -23,9 +23,11 @@ from srs_ik.robot.limb import Hand, SrsLimb
 from srs_ik.robot.recognition import recognise
 from srs_ik.solve import kinematics
 from srs_ik.solve.in_limits import InLimits
+from srs_ik.solve.intervals import Interval
 from srs_ik.solve.kinematics import Centres
 from srs_ik.solve.packed import pack_arm
-from srs_ik.solve.solution import BatchSolution, Collision, Interval, Solution, Solutions
+from srs_ik.solve.solution import Collision, Solution
+from srs_ik.solve.solutions import BatchSolution, Solutions
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:

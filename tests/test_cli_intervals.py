@@ -12,7 +12,7 @@ import srs_ik
 from srs_ik.cli.app import app
 from srs_ik.errors import install_command
 from srs_ik.plots.intervals import bars
-from srs_ik.solve.solution import Interval
+from srs_ik.solve.intervals import Interval
 
 POSE = ["--xyz", "0.5", "0.1", "0.6", "--rpy", "0", "1.5707963", "0"]
 # Within reach, but joint 6 would have to pass its limit: the hand points back at the arm.

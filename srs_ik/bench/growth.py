@@ -16,7 +16,7 @@ import numpy as np
 from srs_ik.bench.own import best_time
 from srs_ik.bench.work import Work
 from srs_ik.loading import load
-from srs_ik.solve.solution import BatchSolution
+from srs_ik.solve.solutions import BatchSolution
 
 POSES_APART = 1000
 """So many different poses; larger batches repeat them."""

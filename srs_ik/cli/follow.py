@@ -19,7 +19,8 @@ from srs_ik.cli.waiting import counted
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.inputs.freedom import FreeAxis
-    from srs_ik.solve.tracker.tracker import Tracker, TrackerStep
+    from srs_ik.solve.tracker.step import TrackerStep
+    from srs_ik.solve.tracker.tracker import Tracker
 
 
 @choosing

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from srs_ik.arm import Arm
-    from srs_ik.solve.solution import Interval
+    from srs_ik.solve.intervals import Interval
 
 
 @choosing

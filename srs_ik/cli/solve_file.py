@@ -10,7 +10,8 @@ from srs_ik.cli.pose_file import write_table
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.solution import BatchSolution, Solution
+    from srs_ik.solve.solution import Solution
+    from srs_ik.solve.solutions import BatchSolution
 
 MOST_LINES = 40
 """Answers that a table for people shows."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
     from srs_ik.inputs.poses import PoseLike
-    from srs_ik.solve.solution import Interval
+    from srs_ik.solve.intervals import Interval
 
 BRANCHES = 8
 

@@ -15,7 +15,7 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.solution import Interval
+    from srs_ik.solve.intervals import Interval
 
 _POINT = 1e-3
 """A circle smaller than this share of the arm's reach is a point: the arm is stretched."""

@@ -25,7 +25,8 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.tracker.tracker import Tracker, TrackerStep
+    from srs_ik.solve.tracker.step import TrackerStep
+    from srs_ik.solve.tracker.tracker import Tracker
 
 SHOWN = 8.0
 """Seconds that the strip chart shows."""

@@ -22,7 +22,8 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.solution import Interval, Solution
+    from srs_ik.solve.intervals import Interval
+    from srs_ik.solve.solution import Solution
 
 _NOTHING = "no posture"
 _PALE = 0.3

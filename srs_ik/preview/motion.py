@@ -14,7 +14,7 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.solution import Interval
+    from srs_ik.solve.intervals import Interval
 
 FPS = 30.0
 _MOST_FRAMES = 3000

@@ -16,7 +16,7 @@ from srs_ik.kernels.layout import collision as at
 from srs_ik.preview import palette, solids
 from srs_ik.preview.palette import Rgb
 from srs_ik.preview.solids import Solid
-from srs_ik.solve.solution import Interval
+from srs_ik.solve.intervals import Interval
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:

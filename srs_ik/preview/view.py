@@ -2,46 +2,40 @@
 
 from __future__ import annotations
 
-import html
-import os
-import weakref
-import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike
 
-from srs_ik.errors import InvalidScene, PreviewError, quoted
+from srs_ik.errors import InvalidScene, quoted
 from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.preview import marks, palette, solids, words
-from srs_ik.preview.canvas import Canvas
 from srs_ik.preview.circle import arc_solids, circle_solids
 from srs_ik.preview.document import Caption
 from srs_ik.preview.motion import FPS, film, self_motion
 from srs_ik.preview.robot import Part, Stage, limb, look, reach, resting
-from srs_ik.preview.server import Window
+from srs_ik.preview.still import StillPage
 from srs_ik.preview.surroundings import body_solids, forbidden, object_solids
 from srs_ik.preview.words import Entry
 from srs_ik.solve.in_scene.surroundings import Surroundings
 from srs_ik.system.arrays import Array
-from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.collision.scene import Scene
     from srs_ik.inputs.task import Task
+    from srs_ik.solve.intervals import Interval
     from srs_ik.solve.posture import Posture
-    from srs_ik.solve.solution import Interval
 
 _GHOST_OPACITY = 0.22
 
 
-class Preview:
+class Preview(StillPage):
     """An arm in Meshcat, served to the browsers of this machine alone.
 
     Every `show` method draws its own part of the scene, in place of what it drew before, and leaves the rest. The page
@@ -63,12 +57,9 @@ class Preview:
 
     def __init__(self, arm: Arm, package_dirs: str | Path | Sequence[str | Path] = (), port: int = 0) -> None:
         check_arm(arm)
-        self.arm = arm
-        self._size = reach(arm)
         parts, self.missing = look(arm, package_dirs)
-        self._window = Window(port)
-        self._close = weakref.finalize(self, self._window.close)
-        self._canvas = Canvas(self._window)
+        super().__init__(arm, port)
+        self._size = reach(arm)
         self._robot = parts
         self._q = resting(arm)
         self._draw_robot("robot", parts)
@@ -86,76 +77,6 @@ class Preview:
     def q(self) -> Array:
         """(7,) the configuration that is shown, rad; of a motion, its first."""
         return self._q.copy()
-
-    # The page ----------------------------------------------------------------------------------------------------
-
-    @property
-    def url(self) -> str:
-        """Address of the page, on this machine alone; whoever has it sees the scene."""
-        return self._window.web_url
-
-    @property
-    def closed(self) -> bool:
-        """Whether the page is gone."""
-        return self._window.closed
-
-    def open(self) -> None:
-        """Open the page in the browser of the desktop."""
-        webbrowser.open(self.url)
-
-    def close(self) -> None:
-        """End the page and free its port; a second time does nothing."""
-        self._close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
-
-    def html(self) -> str:
-        """The scene as one HTML page that needs neither this program nor a network.
-
-        Raises:
-            PreviewError: the preview is closed.
-        """
-        return self._canvas.page()
-
-    def save(self, path: str | Path) -> Path:
-        """Write the scene, with its motion if it has one, as one HTML file that opens without a server or network.
-
-        The file appears whole or not at all.
-
-        Args:
-            path: a file that ends in .html or .htm.
-
-        Returns:
-            Where it was written.
-
-        Raises:
-            PreviewError: the preview is closed, the path is none or ends otherwise, or the file cannot be written.
-        """
-        if not isinstance(path, str | os.PathLike):
-            raise PreviewError(f"a page is saved under the name of a file, such as scene.html, not {quoted(path)}")
-        if Path(path).suffix.lower() not in (".html", ".htm") and not Path(path).is_dir():
-            raise PreviewError(f"a page is HTML: give it a name such as scene.html, not {quoted(str(path))}")
-        try:
-            return write_whole(Path(path), self.html())
-        except IsADirectoryError:
-            raise PreviewError(f"{path} is a folder: give the name of a file, such as scene.html") from None
-        except OSError as error:
-            raise PreviewError(f"{path} cannot be written: {error.strerror}") from None
-
-    def _repr_html_(self) -> str | None:
-        # A picture of the scene as it is now, which stays with the notebook when the program is gone.
-        if self.closed:
-            return None
-        page = html.escape(self.html())
-        style = "width: 100%; height: 420px; border: none"
-        return f'<iframe sandbox="allow-scripts" srcdoc="{page}" style="{style}"></iframe>'
-
-    def __repr__(self) -> str:
-        return f"<Preview of {self.arm.name}, {'closed' if self.closed else 'at ' + self.url}>"
 
     # The arm -----------------------------------------------------------------------------------------------------
 

@@ -12,7 +12,8 @@ from srs_ik.preview import palette
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.solution import Interval, Solution
+    from srs_ik.solve.intervals import Interval
+    from srs_ik.solve.solution import Solution
 
 Entry = tuple[palette.Rgb, str]
 """A colour and what it stands for."""

@@ -13,7 +13,8 @@ from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
 from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.packed import PackedArm
-from srs_ik.solve.solution import BatchSolution, Collision
+from srs_ik.solve.solution import Collision
+from srs_ik.solve.solutions import BatchSolution
 
 
 def solve_batch(

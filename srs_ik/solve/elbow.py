@@ -13,7 +13,8 @@ from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, 
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.packed import PackedArm
-from srs_ik.solve.solution import BatchSolution, Solution
+from srs_ik.solve.solution import Solution
+from srs_ik.solve.solutions import BatchSolution
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 

@@ -18,7 +18,8 @@ from srs_ik.kernels.layout.freedom import MOST_STARTS, START, WORK
 from srs_ik.solve import pose
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.packed import PackedArm
-from srs_ik.solve.solution import BatchSolution, Solution, Status
+from srs_ik.solve.solution import Solution, Status
+from srs_ik.solve.solutions import BatchSolution
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 

@@ -11,11 +11,12 @@ from srs_ik.solve import pose as pose_solver
 if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
     from srs_ik.kinematics import ChainKinematics
-    from srs_ik.solve.intervals import IntervalsBatch
+    from srs_ik.solve.intervals import Interval, IntervalsBatch
     from srs_ik.solve.optimise import Optimum
     from srs_ik.solve.packed import PackedArm
     from srs_ik.solve.path.solution import PathSolution
-    from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
+    from srs_ik.solve.solution import Solution
+    from srs_ik.solve.solutions import BatchSolution, Solutions
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 

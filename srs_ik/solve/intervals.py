@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
-from srs_ik.solve.solution import Interval
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 
@@ -21,6 +20,29 @@ if TYPE_CHECKING:
 
 BLOCK = 64 * MOST_INTERVALS
 """Intervals that a thread gathers before it puts them aside: half a megabyte, and hundreds of poses."""
+
+
+class Interval(NamedTuple):
+    """Arm angles that are feasible in a branch, ends included; ``psi in interval`` counts whole turns alike.
+
+    Attributes:
+        branch: 0 to 7.
+        lower: first arm angle, in [-pi, pi), rad.
+        upper: last arm angle, rad; it may pass pi. The whole circle is (-pi, pi).
+    """
+
+    branch: int
+    lower: float
+    upper: float
+
+    @property
+    def width(self) -> float:
+        """Length of the interval, rad."""
+        return self.upper - self.lower
+
+    def __contains__(self, arm_angle: Any) -> bool:
+        turn = 2.0 * np.pi
+        return bool(self.lower + (arm_angle - self.lower) % turn <= self.upper) or arm_angle == self.upper
 
 
 class IntervalsBatch:

@@ -14,9 +14,10 @@ from srs_ik.kernels.layout import objectives as kinds
 from srs_ik.kernels.layout import search as at
 from srs_ik.kernels.layout.answer import ROW, ROW_ARM_ANGLE, ROW_BRANCH
 from srs_ik.solve import intervals as feasible
+from srs_ik.solve.intervals import Interval
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.pose import solve
-from srs_ik.solve.solution import ElbowRange, Interval, Solution
+from srs_ik.solve.solution import ElbowRange, Solution
 from srs_ik.solve.turns import OverTurns
 from srs_ik.system.arrays import Array
 

@@ -13,7 +13,8 @@ from srs_ik.inputs.poses import OR_FREE, PoseLike, as_matrices, as_matrix, inval
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW
 from srs_ik.solve.packed import PackedArm
-from srs_ik.solve.solution import BatchSolution, Solution, Solutions
+from srs_ik.solve.solution import Solution
+from srs_ik.solve.solutions import BatchSolution, Solutions
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 

@@ -12,8 +12,8 @@ from srs_ik.inputs.angles import as_branch
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import ROW
-from srs_ik.solve.intervals import intervals
-from srs_ik.solve.solution import BatchSolution, Interval
+from srs_ik.solve.intervals import Interval, intervals
+from srs_ik.solve.solutions import BatchSolution
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:

@@ -15,7 +15,8 @@ from srs_ik.kernels.entries import task as entries
 from srs_ik.kernels.layout import task as at
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.posture import Posture, Side, Tie, signs
-from srs_ik.solve.solution import BatchSolution, ElbowRange, Solution, Status
+from srs_ik.solve.solution import ElbowRange, Solution, Status
+from srs_ik.solve.solutions import BatchSolution
 from srs_ik.solve.threads import checked_threads, run_in_threads
 from srs_ik.system.arrays import Array
 

@@ -17,7 +17,8 @@ from srs_ik.solve.elbow import wanted_angles
 from srs_ik.solve.goals import INSIDE
 from srs_ik.solve.in_scene.pose import best, solve
 from srs_ik.solve.in_scene.surroundings import chosen, narrowed
-from srs_ik.solve.solution import BatchSolution, Collision, Solution
+from srs_ik.solve.solution import Collision, Solution
+from srs_ik.solve.solutions import BatchSolution
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 

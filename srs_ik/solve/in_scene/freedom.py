@@ -21,7 +21,8 @@ from srs_ik.solve import freedom, pose
 from srs_ik.solve.goals import goal_of
 from srs_ik.solve.in_scene import pose as in_scene
 from srs_ik.solve.kinematics import forward_kinematics_batch
-from srs_ik.solve.solution import BatchSolution, Collision, Solution, Status
+from srs_ik.solve.solution import Collision, Solution, Status
+from srs_ik.solve.solutions import BatchSolution
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 

@@ -13,9 +13,10 @@ from srs_ik.solve.goals import Search
 from srs_ik.solve.in_scene.clearance import Clearance, widest
 from srs_ik.solve.in_scene.pose import free_intervals, solve
 from srs_ik.solve.in_scene.surroundings import narrowed
+from srs_ik.solve.intervals import Interval
 from srs_ik.solve.objectives import CLEARANCE, Objective
 from srs_ik.solve.optimise import Optimum
-from srs_ik.solve.solution import Interval, Solution
+from srs_ik.solve.solution import Solution
 from srs_ik.solve.turns import OverTurns
 from srs_ik.system.arrays import Array
 

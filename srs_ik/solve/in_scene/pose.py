@@ -19,7 +19,8 @@ from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.goals import goal_of
 from srs_ik.solve.in_scene.surroundings import chosen, narrowed
 from srs_ik.solve.intervals import IntervalsBatch, gathered
-from srs_ik.solve.solution import BatchSolution, Collision, Solution, Solutions, Status
+from srs_ik.solve.solution import Collision, Solution, Status
+from srs_ik.solve.solutions import BatchSolution, Solutions
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 

@@ -12,7 +12,7 @@ from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.poses import OR_FREE, PoseLike, as_matrix
 from srs_ik.solve.in_scene import pose as pose_solver
 from srs_ik.solve.in_scene.surroundings import Surroundings
-from srs_ik.solve.solution import Interval
+from srs_ik.solve.intervals import Interval
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from srs_ik.solve.optimise import Optimum
     from srs_ik.solve.packed import PackedArm
     from srs_ik.solve.path.solution import PathSolution
-    from srs_ik.solve.solution import BatchSolution, Collision, Solution, Solutions
+    from srs_ik.solve.solution import Collision, Solution
+    from srs_ik.solve.solutions import BatchSolution, Solutions
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 

@@ -11,7 +11,7 @@ from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.path.blocks import find_way
 from srs_ik.solve.path.problem import JUST_ABOVE, Problem, Wall, Way
 from srs_ik.solve.pose import solve
-from srs_ik.solve.solution import BatchSolution
+from srs_ik.solve.solutions import BatchSolution
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:

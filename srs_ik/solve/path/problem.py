@@ -30,7 +30,8 @@ from srs_ik.system.arrays import Array
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
-    from srs_ik.solve.solution import Solution, Solutions
+    from srs_ik.solve.solution import Solution
+    from srs_ik.solve.solutions import Solutions
 
 SUM_OF_SQUARES = "sum_of_squares"
 LARGEST_STEP = "largest_step"

@@ -15,7 +15,8 @@ from srs_ik.solve.path.bound import least_largest, least_sum
 from srs_ik.solve.path.breaks import PathBreak
 from srs_ik.solve.path.problem import JUST_ABOVE, LARGEST_STEP, Problem, objective_of, steps_of
 from srs_ik.solve.path.timing import passing_times
-from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange
+from srs_ik.solve.solution import Collision, ElbowRange
+from srs_ik.solve.solutions import BatchSolution
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
