@@ -296,9 +296,11 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
+        from srs_ik.solve.path.ask import Terms
+
         round_trip = as_flag(closed, "closed")
-        question = seed, dt, longest_step, objective, known, round_trip, acceleration_limit, free_axis
-        return self._asked(scene, margin).solve_path(poses, *question)
+        terms = Terms(seed, dt, longest_step, objective, acceleration_limit)
+        return self._asked(scene, margin).solve_path(poses, terms, known, round_trip, free_axis)
 
     def tracker(
         self,

@@ -9,7 +9,7 @@ import trimesh
 
 import srs_ik
 from srs_ik.collision.bodies import revolved
-from srs_ik.collision.cover import cover, is_covered
+from srs_ik.collision.cover import cover
 from srs_ik.collision.forms import Form, planes, surface
 from srs_ik.errors import InvalidScene, NoBodies
 
@@ -244,3 +244,13 @@ def test_spheres_that_are_none_are_named(rows, says):
     arm = srs_ik.load("iiwa14")
     with pytest.raises(srs_ik.InvalidScene, match=says):
         arm.with_bodies(spheres={"iiwa_link_3": rows}).bodies  # noqa: B018
+
+
+def is_covered(spheres, corners, triangles, slack=0.0):
+    """(m,) whether each triangle lies in one sphere, whole: a proof that it is covered, where it is true.
+
+    Spheres (n, 4) are centre and radius, corners (k, 3), triangles (m, 3); `slack` is added to the radii, all m.
+    """
+    distance = np.linalg.norm(corners[:, None, :] - spheres[None, :, :3], axis=2)
+    reach = np.maximum.reduce([distance[triangles[:, k]] for k in range(3)])
+    return np.asarray((reach <= spheres[:, 3] + slack).any(axis=1))

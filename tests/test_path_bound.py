@@ -13,7 +13,7 @@ import srs_ik
 from srs_ik.kernels.entries import path_bound
 from srs_ik.kernels.layout.path import CELL, CELL_OFF
 from srs_ik.kernels.path.cells import FREE
-from srs_ik.solve.path.ask import problem_of
+from srs_ik.solve.path.ask import Terms, problem_of
 from srs_ik.solve.path.blocks import through
 from srs_ik.solve.path.bound import MOST_ROOM
 from srs_ik.solve.path.narrow import costs_to_end
@@ -236,10 +236,7 @@ def test_what_a_path_costs_to_its_end_is_what_one_the_other_way_round_costs(name
     """From each posture of the first pose on, through one block of strips and through three."""
     arm, rng = load(name), generator(name, 42)
     poses, keys = poses_of(arm, known_motion(arm, rng, count, 0.1)), np.arange(count)
-    forth, back = (
-        problem_of(arm.packed, np.ascontiguousarray(T), None, None, 0.5, "sum_of_squares", None)
-        for T in (poses, poses[::-1])
-    )
+    forth, back = (problem_of(arm.packed, np.ascontiguousarray(T), Terms()) for T in (poses, poses[::-1]))
     blocks, turned = through(forth, keys, False)[1], through(back, keys, False)[1]
     assert len(blocks) == (1 if count == 41 else 3)
     _, cost, _, ends = turned[-1].fill()

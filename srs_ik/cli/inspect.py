@@ -139,7 +139,7 @@ def _chosen(source: str, meant: dict[str, Any], reading: Chosen) -> list[dict[st
         return [_refused(error, meant["base"], meant["tip"], str(error))]
 
 
-def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
+def _accepted(arm: Arm, report: LimbReport | None) -> dict[str, Any]:
     from srs_ik.loading.adapter import hand_axes
 
     limb = arm.limb

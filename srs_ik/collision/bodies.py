@@ -66,8 +66,8 @@ class Body(ReadOnlyArrays):
 def link_bodies(
     arm: ChainKinematics,
     drawing: Drawing | None,
-    folders: Sequence[str | Path] = (),
-    spheres: Mapping[str, Array] | None = None,
+    folders: Sequence[str | Path],
+    spheres: Mapping[str, Array] | None,
 ) -> list[Body]:
     """The links of a robot that have shapes, in the order of the model.
 

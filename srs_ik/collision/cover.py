@@ -202,13 +202,3 @@ def protrusion(spheres: Array, corners: Array, normals: Array, tree: cKDTree) ->
     distance, nearest = tree.query(points)
     outside = np.einsum("ij,ij->i", points - corners[nearest], normals[nearest]) > 0.0
     return float(distance[outside].max(initial=0.0))
-
-
-def is_covered(spheres: Array, corners: Array, triangles: NDArray[np.int64], slack: float = 0.0) -> NDArray[np.bool_]:
-    """(m,) whether each triangle lies in one sphere, whole: a proof that it is covered, where it is true.
-
-    Spheres (n, 4) are centre and radius, corners (k, 3), triangles (m, 3); `slack` is added to the radii, all m.
-    """
-    distance = np.linalg.norm(corners[:, None, :] - spheres[None, :, :3], axis=2)
-    reach = np.maximum.reduce([distance[triangles[:, k]] for k in range(3)])
-    return np.asarray((reach <= spheres[:, 3] + slack).any(axis=1))

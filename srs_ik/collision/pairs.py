@@ -39,7 +39,7 @@ class Pair:
 
 
 def find_pairs(
-    arm: ChainKinematics, bodies: Sequence[Body], drawing: Drawing | None, srdf: str | Path | None = None
+    arm: ChainKinematics, bodies: Sequence[Body], drawing: Drawing | None, srdf: str | Path | None
 ) -> tuple[list[Pair], list[JointRange]]:
     """All pairs of bodies of an arm, each kept or not, with the reason, and ranges of joints that keep some apart.
 

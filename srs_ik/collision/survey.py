@@ -142,7 +142,7 @@ class Survey:
             return max((self.joint_range(i, j, which) for which in (0, 1)), key=_told)
         return self.where(i, j) if between <= _BETWEEN else None
 
-    def joint_range(self, i: int, j: int, which: int = 0) -> JointRange:
+    def joint_range(self, i: int, j: int, which: int) -> JointRange:
         """How near two bodies come that are two joints apart, told by the first or the second joint between them."""
         joints = [self._bodies[i].joint + (which + k) % _TWO for k in range(_TWO)]
         k, other = joints

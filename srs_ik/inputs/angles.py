@@ -79,7 +79,7 @@ def as_bounded_joint_vector(q: ArrayLike) -> Array:
     return array
 
 
-def as_joint_vectors(q: Any, what: str = "q") -> Array:
+def as_joint_vectors(q: Any) -> Array:
     """Many configurations as an (N, 7) array of floats in C order; a plain array is not copied.
 
     Raises:
@@ -88,12 +88,12 @@ def as_joint_vectors(q: Any, what: str = "q") -> Array:
     try:
         array = q if is_plain(q) else real_array(q if isinstance(q, np.ndarray | str | Mapping) else list(q))
     except (TypeError, ValueError):
-        raise _no_angles(f"{what} must be N times 7 joint angles", q) from None
+        raise _no_angles("q must be N times 7 joint angles", q) from None
     if array.shape == (0,):
         return np.empty((0, 7))
     if array.ndim != 2 or array.shape[1] != 7:
-        raise _no_angles(f"{what} must be N times 7 joint angles", q)
-    refuse_bad_angles(array, what)
+        raise _no_angles("q must be N times 7 joint angles", q)
+    refuse_bad_angles(array, "q")
     return array
 
 

@@ -55,7 +55,7 @@ def spacing(chart: Map, step: float | None) -> float:
     return chart.plan.grid.step if step is None else checked_step(step, "the distance between points")
 
 
-def _voxels(chart: Map, step: float | None = None) -> tuple[Array, Array, tuple[int, ...]]:
+def _voxels(chart: Map, step: float | None) -> tuple[Array, Array, tuple[int, ...]]:
     """Points, shares and numbers of points along x, y and z, x slowest."""
     check_map(chart)
     grid = chart.plan.grid

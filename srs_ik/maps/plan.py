@@ -174,7 +174,7 @@ def whole(value: Any, what: str, least: int = 0) -> int:
     return int(value)
 
 
-def checked_measures(measures: Any, scene: bool = False, task: bool = False) -> tuple[str, ...]:
+def checked_measures(measures: Any, scene: bool, task: bool) -> tuple[str, ...]:
     """Names of measures, each once, in their usual order; a scene and a task bring their own.
 
     Raises:

@@ -111,7 +111,6 @@ def examine(
     joints: Sequence[int],
     base: str | None = None,
     tip: str | None = None,
-    reference: Vector | None = None,
 ) -> Candidate:
     """Recognise seven revolute joints of a robot, given by their indices from the base outwards.
 
@@ -121,8 +120,7 @@ def examine(
     base = base or _meant_base(description, skeleton, joints) or skeleton.default_base(joints[0])
     tip = tip or _meant_tip(description, skeleton, joints) or skeleton.default_tip(joints[-1])
     lines = skeleton.measure(joints, base, tip)
-    if reference is None and base == description.base:
-        reference = description.reference
+    reference = description.reference if base == description.base else None
     found = recognise(lines.axes, lines.points, lines.T_base_tip_zero, reference)
     locked = [k for k in skeleton.path(skeleton.joint_of(tip)) if k not in joints]
     report = LimbReport(

@@ -248,7 +248,7 @@ class _Reader:
         return table
 
     def _expect_keys(
-        self, table: dict[str, Any], where: str, required: tuple[str, ...], optional: tuple[str, ...] = ()
+        self, table: dict[str, Any], where: str, required: tuple[str, ...], optional: tuple[str, ...]
     ) -> None:
         place = f" in [{where}]" if where else ""
         known = required + optional

@@ -107,7 +107,7 @@ class Skeleton:
         """
         return [run[-7:] for run in self._runs(excluded) if len(run) >= 7]
 
-    def longest_run(self, excluded: Collection[str] = ()) -> tuple[int, ...]:
+    def longest_run(self, excluded: Collection[str]) -> tuple[int, ...]:
         """The most revolute joints in a row, as for `windows`; the first of equals."""
         return max(self._runs(excluded), key=len, default=())
 

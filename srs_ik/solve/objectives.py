@@ -234,6 +234,21 @@ class Objective:
         return f"<Objective {self.name}, {_sense(self.maximise)}>"
 
 
+def as_objective(objective: str | Callable[[Array], float] | Objective, parameters: dict[str, Any]) -> Objective:
+    """An objective as `Arm.optimise` is given it, with parameters by their names.
+
+    Raises:
+        InvalidTask: see `Objective`; or an Objective, which has its parameters already, is given others.
+    """
+    if not isinstance(objective, Objective):
+        return Objective(objective, **parameters)
+    if parameters:
+        raise InvalidTask(
+            f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor"
+        )
+    return objective
+
+
 def _sense(maximise: bool) -> str:
     return "maximised" if maximise else "minimised"
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import PoseLike, as_matrix, invalid_pose
 from srs_ik.kernels.entries import optimum as entries
 from srs_ik.kernels.layout import objectives as kinds
@@ -15,7 +14,7 @@ from srs_ik.kernels.layout import search as at
 from srs_ik.kernels.layout.answer import ROW, ROW_ARM_ANGLE, ROW_BRANCH
 from srs_ik.solve import intervals as feasible
 from srs_ik.solve.intervals import Interval
-from srs_ik.solve.objectives import Objective
+from srs_ik.solve.objectives import Objective, as_objective
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import ElbowRange, Solution
 from srs_ik.solve.turns import OverTurns
@@ -75,13 +74,7 @@ def optimise(
     **parameters: Any,
 ) -> Optimum:
     """See `Arm.optimise`; `chain` is the arm as Pinocchio computes it, for what no kernel does."""
-    if not isinstance(objective, Objective):
-        objective = Objective(objective, **parameters)
-    elif parameters:
-        raise InvalidTask(
-            f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor"
-        )
-    T = as_matrix(pose)
+    objective, T = as_objective(objective, parameters), as_matrix(pose)
     respect_limits = bool(respect_limits)
     if objective.kind is None:
         return _by_function(arm, chain, T, objective, respect_limits)

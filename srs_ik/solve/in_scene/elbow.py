@@ -11,15 +11,13 @@ from numpy.typing import ArrayLike
 from srs_ik.inputs.angles import as_branch, as_seeds, seed_of
 from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
 from srs_ik.kernels.entries.pose import check_pose
-from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve import elbow as in_limits
 from srs_ik.solve.elbow import wanted_angles
 from srs_ik.solve.goals import INSIDE
-from srs_ik.solve.in_scene.pose import best, solve
+from srs_ik.solve.in_scene.pose import answered, best, solve
 from srs_ik.solve.in_scene.surroundings import chosen, narrowed
-from srs_ik.solve.solution import Collision, Solution
+from srs_ik.solve.solution import Solution
 from srs_ik.solve.solutions import BatchSolution
-from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
@@ -83,16 +81,11 @@ def solve_near_batch(
     arm, T, wanted = around.packed, as_matrices(poses), as_branch(branch)
     refuse_bad_poses(np.array([check_pose(pose) for pose in T]))
     psis, seeds = wanted_angles(arm, T, elbow), as_seeds(seed, len(T), arm.lower, arm.upper)
-    rows = np.empty((len(T), ROW))
-    hits: dict[tuple[int, ...], Collision] = {}
 
-    def work(first: int, last: int) -> None:
-        for i in range(first, last):
-            psi = float(psis[i if len(psis) > 1 else 0])
-            answer = solve_near(around, T[i], psi, seed_of(seeds, i), wanted, respect)
-            rows[i] = answer._row
-            if answer.collision is not None:
-                hits[(i,)] = answer.collision
+    def answer(i: int) -> Solution:
+        psi = float(psis[i if len(psis) > 1 else 0])
+        return solve_near(around, T[i], psi, seed_of(seeds, i), wanted, respect)
 
-    run_in_threads(work, len(T), threads)
-    return BatchSolution(rows, arm.joint_names, arm.told[0 if wanted < 0 else 2], hits)
+    rows, hits = answered(len(T), threads, answer)
+    told = arm.told[0 if wanted < 0 else 2]
+    return BatchSolution(rows, arm.joint_names, told, hits)

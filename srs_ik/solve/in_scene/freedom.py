@@ -16,14 +16,13 @@ from scipy.optimize import minimize_scalar
 from srs_ik.inputs.angles import as_seeds, seed_of
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
 from srs_ik.inputs.poses import as_matrices
-from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
+from srs_ik.kernels.layout.answer import ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.solve import freedom, pose
 from srs_ik.solve.goals import goal_of
 from srs_ik.solve.in_scene import pose as in_scene
 from srs_ik.solve.kinematics import forward_kinematics_batch
-from srs_ik.solve.solution import Collision, Solution, Status
+from srs_ik.solve.solution import Solution, Status
 from srs_ik.solve.solutions import BatchSolution
-from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
@@ -142,16 +141,5 @@ def solve_batch(
     """`solve` for many poses."""
     arm, T, free = around.packed, as_matrices(poses), as_free_axis(free_axis)
     seeds = as_seeds(seed, len(T), arm.lower, arm.upper)
-    rows = np.empty((len(T), ROW))
-    hits: dict[tuple[int, ...], Collision] = {}
-
-    def work(first: int, last: int) -> None:
-        for i in range(first, last):
-            near = seed_of(seeds, i)
-            answer = solve(around, T[i], free, near, respect)
-            rows[i] = answer._row
-            if answer.collision is not None:
-                hits[(i,)] = answer.collision
-
-    run_in_threads(work, len(T), threads)
+    rows, hits = in_scene.answered(len(T), threads, lambda i: solve(around, T[i], free, seed_of(seeds, i), respect))
     return BatchSolution(rows, arm.joint_names, arm.elbow, hits)

@@ -14,7 +14,7 @@ from srs_ik.solve.in_scene.clearance import Clearance, widest
 from srs_ik.solve.in_scene.pose import free_intervals, solve
 from srs_ik.solve.in_scene.surroundings import narrowed
 from srs_ik.solve.intervals import Interval
-from srs_ik.solve.objectives import CLEARANCE, Objective
+from srs_ik.solve.objectives import CLEARANCE, Objective, as_objective
 from srs_ik.solve.optimise import Optimum
 from srs_ik.solve.solution import Solution
 from srs_ik.solve.turns import OverTurns
@@ -38,12 +38,7 @@ def optimise(
             raise InvalidTask(f"objective 'clearance' takes no parameter {next(iter(parameters))!r}")
         return _widest(around, T, around.all_free(T, respect), respect)
     free = free_intervals(around, T, respect)[0]
-    if not isinstance(objective, Objective):
-        objective = Objective(objective, **parameters)
-    elif parameters:
-        raise InvalidTask(
-            f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor"
-        )
+    objective = as_objective(objective, parameters)
     alone = in_limits.optimise(around.packed, around.arm, T, objective, respect)
     if alone and around.is_clear(alone.q):
         optimum = _optimum(alone, objective, objective.values(around.arm, alone.q), free, around.packed)

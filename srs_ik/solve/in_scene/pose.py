@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -212,25 +213,38 @@ def solve_batch(
     wanted = as_branch(branch)
     if all_branches and psis is None:
         raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
-    branches = range(8) if all_branches else (wanted,)
-    rows = np.empty((n, len(branches), ROW))
+    if psis is None and around.in_closed_form:
+        return _in_kernels(around, T, wanted, seeds, respect, threads)
+
+    def answer(i: int, branch: int) -> Solution:
+        psi = None if psis is None else float(psis[i if len(psis) > 1 else 0])
+        return solve(around, T[i], psi, seed_of(seeds, i), branch, respect)
+
+    told = arm.told[(psis is not None) + 2 * (wanted >= 0)]
+    if not all_branches:
+        rows, hits = answered(n, threads, lambda i: answer(i, wanted))
+        return BatchSolution(rows, arm.joint_names, told, hits)
+    rows, hits = answered(8 * n, threads, lambda k: answer(*divmod(k, 8)))
+    hits = {divmod(k, 8): hit for (k,), hit in hits.items()}
+    return BatchSolution(rows.reshape(n, 8, ROW), arm.joint_names, told, hits)
+
+
+def answered(
+    count: int, threads: int | None, answer: Callable[[int], Solution]
+) -> tuple[Array, dict[tuple[int, ...], Collision]]:
+    """(count, ROW) rows of the answers to as many questions, and what hits what in them, by their index."""
+    rows = np.empty((count, ROW))
     hits: dict[tuple[int, ...], Collision] = {}
 
     def work(first: int, last: int) -> None:
         for i in range(first, last):
-            psi = None if psis is None else float(psis[i if len(psis) > 1 else 0])
-            near = seed_of(seeds, i)
-            for k, b in enumerate(branches):
-                answer = solve(around, T[i], psi, near, b, respect)
-                rows[i, k] = answer._row
-                if answer.collision is not None:
-                    hits[(i, k) if all_branches else (i,)] = answer.collision
+            found = answer(i)
+            rows[i] = found._row
+            if found.collision is not None:
+                hits[(i,)] = found.collision
 
-    if psis is None and around.in_closed_form:
-        return _in_kernels(around, T, wanted, seeds, respect, threads)
-    run_in_threads(work, n, threads)
-    told = arm.told[(psis is not None) + 2 * (wanted >= 0)]
-    return BatchSolution(rows if all_branches else rows[:, 0], arm.joint_names, told, hits)
+    run_in_threads(work, count, threads)
+    return rows, hits
 
 
 def _in_kernels(
@@ -245,19 +259,14 @@ def _in_kernels(
 
     run_in_threads(work, len(T), threads)
     refuse_bad_poses(verdicts)
-    hits: dict[tuple[int, ...], Collision] = {}
+    left = np.flatnonzero(rows[:, ROW_STATUS] != Status.OK).tolist()
 
-    def rest(first: int, last: int) -> None:
-        for i in left[first:last].tolist():
-            near = seed_of(seeds, i)
-            answer = _where_nothing_is_free(around, T[i], None, near, branch, respect)
-            rows[i] = answer._row
-            if answer.collision is not None:
-                hits[(i,)] = answer.collision
+    def answer(k: int) -> Solution:
+        return _where_nothing_is_free(around, T[left[k]], None, seed_of(seeds, left[k]), branch, respect)
 
-    left = np.flatnonzero(rows[:, ROW_STATUS] != Status.OK)
-    run_in_threads(rest, len(left), threads)
-    return BatchSolution(rows, arm.joint_names, arm.told[0 if branch < 0 else 2], hits)
+    rows[left], hits = answered(len(left), threads, answer)
+    told = arm.told[0 if branch < 0 else 2]
+    return BatchSolution(rows, arm.joint_names, told, {(left[k],): hit for (k,), hit in hits.items()})
 
 
 def intervals_batch(around: Surroundings, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:

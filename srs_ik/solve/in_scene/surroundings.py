@@ -143,7 +143,8 @@ class Surroundings:
                 free = kept_apart(shapes, T, free, in_range)
             return chosen(free, -1, psi), 0.0
         possible = chosen(self.not_out_of_range(T, found, respect), branch, psi)
-        possible = self.clear_of_formless(T, possible, more)
+        # Clouds have no shapes.
+        possible = self._cut(T, possible, self.tables.formless, more)
         return certified_free(shapes, T, possible, self.in_range(T, found, respect))
 
     def free_range(
@@ -190,11 +191,11 @@ class Surroundings:
         bodies = tables.bodies, tables.groups, tables.pairs, self.slack, *tables.work()
         entries.solve_range(self.packed.family, limits, *asked, *bodies, rows, verdicts)
 
-    def along_curves(self, T: Array, found: Array, more: float = 0.0) -> Array:
+    def along_curves(self, T: Array, found: Array, more: float) -> Array:
         """(n, 3) what the spheres leave of some intervals of a near limb."""
         tables = self.tables
         if tables.slack[at.DRIFT] < _LITTLE or not (len(found) and len(tables.pairs)):
-            return self.by_spheres(T, found, more)
+            return self._cut(T, found, tables.pairs, more)
         out = np.empty((MOST_INTERVALS, 3))
         slack = tables.with_margin(self.margin + more)
         bodies = tables.bodies, tables.groups, tables.pairs, slack, *tables.work()
@@ -211,14 +212,6 @@ class Surroundings:
         """Whether the spheres of an exact limb count."""
         return self.packed.closed and not self.scene.exact
 
-    def by_spheres(self, T: Array, found: Array, more: float = 0.0) -> Array:
-        """(n, 3) what the spheres leave of some intervals."""
-        return self._cut(T, found, self.tables.pairs, more)
-
-    def clear_of_formless(self, T: Array, found: Array, more: float = 0.0) -> Array:
-        """(n, 3) what clouds leave of some intervals."""
-        return self._cut(T, found, self.tables.formless, more)
-
     def _intervals(self, family: Array, T: Array, respect: bool) -> Array:
         found = np.empty((MOST_INTERVALS, 3))
         count = pose_entries.intervals(family, T, respect, found)
@@ -227,6 +220,7 @@ class Surroundings:
         return found[:count]
 
     def _cut(self, T: Array, found: Array, pairs: NDArray[np.int64], more: float) -> Array:
+        """(n, 3) what the spheres of some pairs of bodies leave of some intervals, with so much more margin, m."""
         if not (len(found) and len(pairs)):
             return found
         tables = self.tables

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,7 +32,7 @@ from srs_ik.solve.path.breaks import breaks_of
 from srs_ik.solve.path.limited import keeps_limits
 from srs_ik.solve.path.odd import searched_beside
 from srs_ik.solve.path.polish import FINE, improve, keep_limits
-from srs_ik.solve.path.problem import OBJECTIVES, TIME, Problem, Way, copy, worth
+from srs_ik.solve.path.problem import OBJECTIVES, SUM_OF_SQUARES, TIME, Problem, Way, copy, worth
 from srs_ik.solve.path.rows import joint_steps, off_poses, on_straight_lines, rows_of
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
@@ -66,16 +65,23 @@ ON_POSE = 1e-6
 """A posture that is given may miss its pose by so much, m and rad."""
 
 
+@dataclass(frozen=True)
+class Terms:
+    """What is asked of a path but for its poses; see `Arm.solve_path`."""
+
+    seed: ArrayLike | None = None  # (7,) posture to start from, rad
+    dt: float | None = None  # between two poses, s
+    longest_step: float = LONGEST_STEP  # that counts as continuous, rad
+    objective: str = SUM_OF_SQUARES
+    acceleration_limit: ArrayLike | None = None  # rad/s^2
+
+
 def solve_path(
     arm: PackedArm,
     poses: Any,
-    seed: ArrayLike | None = None,
-    dt: float | None = None,
-    longest_step: float = LONGEST_STEP,
-    objective: str = "sum_of_squares",
+    terms: Terms,
     known: Mapping[int, ArrayLike] | None = None,
     closed: bool = False,
-    acceleration_limit: ArrayLike | None = None,
     free_axis: Any = None,
     *,
     around: Surroundings | None = None,
@@ -86,9 +92,9 @@ def solve_path(
         from srs_ik.solve.freedom import refuse_beside
 
         refuse_beside(free_axis, known=known, closed=closed)
-        return _free(arm, T, free_axis, (seed, dt, longest_step, objective, acceleration_limit), around)
+        return _free(arm, T, terms, free_axis, around)
     n = len(T)
-    problem = problem_of(arm, T, seed, dt, longest_step, objective, acceleration_limit)
+    problem = problem_of(arm, T, terms)
     given, has_given = _known(arm, T, {} if known is None else known)
     if not n:
         return _of_no_poses(arm)
@@ -123,49 +129,35 @@ def _acceleration(limit: ArrayLike | None, objective: str) -> Array | None:
     return per_joint(limit, "acceleration_limit", MOST_ACCELERATION)
 
 
-def problem_of(
-    arm: PackedArm,
-    T: Array,
-    seed: ArrayLike | None,
-    dt: float | None,
-    longest_step: float,
-    objective: str,
-    acceleration_limit: ArrayLike | None,
-) -> Problem:
+def problem_of(arm: PackedArm, T: Array, terms: Terms) -> Problem:
     """The path that is asked for, without postures that are given."""
+    objective = terms.objective
     if not isinstance(objective, str) or objective not in OBJECTIVES:
         raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {quoted(objective)}")
     n = len(T)
-    settings = _settings(arm, dt, longest_step, objective)
-    start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
+    settings = _settings(arm, terms)
+    start = None if terms.seed is None else as_seed(terms.seed, arm.lower, arm.upper)
     none = np.zeros((n, 7)), np.zeros(n, np.bool_), np.zeros((n, 7))
-    problem = Problem(arm, T, start, settings, dt is not None, *none, objective=objective)
-    problem.dt = dt
-    problem.acceleration = _acceleration(acceleration_limit, objective)
+    problem = Problem(arm, T, start, settings, terms.dt is not None, *none, objective=objective)
+    problem.dt = terms.dt
+    problem.acceleration = _acceleration(terms.acceleration_limit, objective)
     return problem
 
 
-def _free(
-    arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...], around: Surroundings | None
-) -> PathSolution:
+def _free(arm: PackedArm, T: Array, terms: Terms, free_axis: Any, around: Surroundings | None) -> PathSolution:
     """A path through poses that leave a turn free."""
     from srs_ik.inputs.freedom import as_free_axis
     from srs_ik.solve.path.freedom import solve_free_path
 
-    problem, free = problem_of(arm, T, *asked), as_free_axis(free_axis)
+    problem, free = problem_of(arm, T, terms), as_free_axis(free_axis)
     if not len(T):
         return _of_no_poses(arm)
-    seed, dt, longest_step, objective, acceleration = asked
-
-    def find(whole: Array, beside: Surroundings | None = None) -> PathSolution:
-        return solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration, around=beside)
-
-    found = solve_free_path(problem, free, find)
+    found = solve_free_path(problem, free, lambda whole: solve_path(arm, whole, terms))
     if around is not None:
         from srs_ik.solve.in_scene.free_path import keep_clear
 
         problem.around = around
-        found = keep_clear(problem, free, found, partial(find, beside=around))
+        found = keep_clear(problem, free, found, lambda whole: solve_path(arm, whole, terms, around=around))
     told = found._rows, arm.joint_names, found.steps, found.breaks, arm.elbow, found.collisions
     return PathSolution(*told, problem=problem, bounded=False)
 
@@ -269,12 +261,12 @@ def _index(named: Any, count: int) -> int:
     return index % count
 
 
-def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: str) -> Array:
+def _settings(arm: PackedArm, terms: Terms) -> Array:
     """(SETTINGS, 7) of the programme: longest joint steps by velocity and by continuity, turns of endless joints."""
     settings = np.zeros((SETTINGS, 7))
-    settings[BY_VELOCITY] = np.inf if dt is None else arm.velocity_limit * as_positive(dt, "dt", "seconds")
-    settings[BY_CONTINUITY] = as_positive(longest_step, "longest_step", "radians")
-    if objective == TIME:
+    settings[BY_VELOCITY] = np.inf if terms.dt is None else arm.velocity_limit * as_positive(terms.dt, "dt", "seconds")
+    settings[BY_CONTINUITY] = as_positive(terms.longest_step, "longest_step", "radians")
+    if terms.objective == TIME:
         missing = ~(np.isfinite(arm.velocity_limit) & (arm.velocity_limit > 0.0))
         if missing.any():
             raise MissingLimits("velocity", [arm.joint_names[j] for j in np.flatnonzero(missing)], arm.name)

@@ -33,8 +33,8 @@ def is_whole(way: Way, keys: NDArray[np.int64]) -> bool:
     return way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
 
 
-def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PARTS) -> Problem:
-    """The problem with fine strips at all key poses; those of a near limb get postures at parts of the way."""
+def fine_everywhere(problem: Problem, keys: NDArray[np.int64]) -> Problem:
+    """The problem with fine strips at all key poses; those of a near limb get postures between theirs."""
     if not problem.is_near:
         return replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
     settings = problem.settings.copy()
@@ -46,11 +46,11 @@ def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PA
     if whole:
         improve(problem, way)
     if not whole or worth(problem, way)[0]:
-        return finer(held_in(problem, keys, blocks), parts)
+        return finer(held_in(problem, keys, blocks))
     # Where no path leads that costs about as little as one at hand, or its plan, postures would be put between in vain.
     most = COARSE * max(least, way.cost)
     few = held_below(told, keys, blocks, costs_to_end(told, blocks, most), most)
-    return finer(replace(few, settings=problem.settings), parts)
+    return finer(replace(few, settings=problem.settings))
 
 
 def finer(problem: Problem, parts: Array = PARTS) -> Problem:
