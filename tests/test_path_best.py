@@ -11,7 +11,7 @@ from oracles import random_limb
 from path_oracle import best_path, swept_postures
 
 import srs_ik
-from srs_ik.solve.path import narrow, search
+from srs_ik.solve.path.search import narrow, planned
 
 LONGEST = 0.5
 
@@ -511,7 +511,7 @@ def test_what_the_best_path_costs_at_least_is_known_where_others_are_looked_for(
         found.append(narrow.costs_to_end(*told))
         return found[-1]
 
-    monkeypatch.setattr(search, "costs_to_end", noted)
+    monkeypatch.setattr(planned, "costs_to_end", noted)
     arm = load(name)
     known = motion_of_benchmark(arm, name, "singular", number)
     path = arm.solve_path(poses_of(arm, known))

@@ -14,10 +14,10 @@ from srs_ik.kernels.entries import path_bound
 from srs_ik.kernels.layout.path import CELL, CELL_OFF
 from srs_ik.kernels.path.cells import FREE
 from srs_ik.solve.path.ask import Terms, problem_of
-from srs_ik.solve.path.blocks import through
 from srs_ik.solve.path.bound import MOST_ROOM
-from srs_ik.solve.path.narrow import costs_to_end
 from srs_ik.solve.path.problem import limbs_of
+from srs_ik.solve.path.search.blocks import through
+from srs_ik.solve.path.search.narrow import costs_to_end
 
 TURN = 2.0 * np.pi
 LONGEST = 30.0

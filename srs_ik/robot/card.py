@@ -69,7 +69,7 @@ class RobotCard:
 
     name: str  # short name
     # where its description may be, the first that is there counts: absolute paths, or addresses as in
-    # `srs_ik.loading.places`
+    # `srs_ik.robot.places`
     places: tuple[str, ...]
     base: str  # name of the base frame
     tip: str  # name of the tip frame

@@ -15,7 +15,7 @@ from srs_ik.inputs.freedom import FreeAxis
 from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.solve.in_scene import freedom
 from srs_ik.solve.in_scene.path import with_breaks
-from srs_ik.solve.path.freedom import keeps_limits, sampled_ways, turned_as
+from srs_ik.solve.path.free.sampled import keeps_limits, sampled_ways, turned_as
 from srs_ik.solve.path.problem import Problem
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound

@@ -26,17 +26,17 @@ from srs_ik.kernels.layout.path import (
     SETTINGS,
 )
 from srs_ik.solve.free_splits import free_splits
-from srs_ik.solve.path.aims import best
-from srs_ik.solve.path.aims import closed as closed_way
 from srs_ik.solve.path.breaks import breaks_of
-from srs_ik.solve.path.limited import keeps_limits
-from srs_ik.solve.path.odd import searched_beside
-from srs_ik.solve.path.polish import FINE, improve, keep_limits
+from srs_ik.solve.path.many_turns import in_fewest_turns
 from srs_ik.solve.path.problem import OBJECTIVES, SUM_OF_SQUARES, TIME, Problem, Way, copy, worth
 from srs_ik.solve.path.rows import joint_steps, off_poses, on_straight_lines, rows_of
+from srs_ik.solve.path.search.aims import best
+from srs_ik.solve.path.search.aims import closed as closed_way
+from srs_ik.solve.path.search.limited import keeps_limits
+from srs_ik.solve.path.search.missed import searched_beside
+from srs_ik.solve.path.search.polish import FINE, improve, keep_limits
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
-from srs_ik.solve.path.wide import in_fewest_turns
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import interruptible
@@ -147,7 +147,7 @@ def problem_of(arm: PackedArm, T: Array, terms: Terms) -> Problem:
 def _free(arm: PackedArm, T: Array, terms: Terms, free_axis: Any, around: Surroundings | None) -> PathSolution:
     """A path through poses that leave a turn free."""
     from srs_ik.inputs.freedom import as_free_axis
-    from srs_ik.solve.path.freedom import solve_free_path
+    from srs_ik.solve.path.free.sampled import solve_free_path
 
     problem, free = problem_of(arm, T, terms), as_free_axis(free_axis)
     if not len(T):

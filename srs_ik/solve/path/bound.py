@@ -15,7 +15,7 @@ import numpy as np
 from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import BY_CONTINUITY, CELL, WORTH, WORTH_BEGIN, WORTH_END, WORTH_SAG
 from srs_ik.solve.path.problem import TIME, Problem
-from srs_ik.solve.path.reach import Cells, after, least_through, passed, posture_cell
+from srs_ik.solve.path.search.reach import Cells, after, least_through, passed, posture_cell
 from srs_ik.system.arrays import Array
 
 LENGTHS = (0.4, 0.15, 0.06, 0.025, 0.01)

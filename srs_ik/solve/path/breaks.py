@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srs_ik.kernels.layout.path import BY_CONTINUITY
-from srs_ik.solve.path.blocks import find_way
 from srs_ik.solve.path.problem import JUST_ABOVE, Problem, Wall, Way
+from srs_ik.solve.path.search.blocks import find_way
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solutions import BatchSolution
 from srs_ik.system.arrays import Array

@@ -12,14 +12,14 @@ from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY
-from srs_ik.solve.path.around import BESIDE, find_at, search_around, wider
-from srs_ik.solve.path.blocks import Block, find_way, gone_back, held_in, through
-from srs_ik.solve.path.bridges import bridged
-from srs_ik.solve.path.finer import fine_everywhere, finer, is_whole
-from srs_ik.solve.path.narrow import costs_to_end, dear, find_narrow, held_about, held_below, held_between, worse
-from srs_ik.solve.path.odd import is_odd, smoothed_leaps, turned_at_flat
-from srs_ik.solve.path.polish import FINE, ROUGHLY, WIDTHS, improve
 from srs_ik.solve.path.problem import Problem, Way, copy, worth
+from srs_ik.solve.path.search.around import BESIDE, find_at, search_around, wider
+from srs_ik.solve.path.search.blocks import Block, find_way, gone_back, held_in, through
+from srs_ik.solve.path.search.bridges import bridged
+from srs_ik.solve.path.search.finer import fine_everywhere, finer, is_whole
+from srs_ik.solve.path.search.missed import is_odd, smoothed_leaps, turned_at_flat
+from srs_ik.solve.path.search.narrow import costs_to_end, dear, find_narrow, held_about, held_below, held_between, worse
+from srs_ik.solve.path.search.polish import FINE, ROUGHLY, WIDTHS, improve
 
 SHORT = 32
 """A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""

@@ -24,10 +24,6 @@ from srs_ik.kernels.layout.path import (
     INVERSE_PERIOD,
     PERIOD,
 )
-from srs_ik.solve.path.blocks import KEPT, through
-from srs_ik.solve.path.finer import THIRDS, finer
-from srs_ik.solve.path.limited import search
-from srs_ik.solve.path.polish import FINE, polish, refine
 from srs_ik.solve.path.problem import (
     EVERYWHERE,
     FINE_SPACING,
@@ -39,7 +35,11 @@ from srs_ik.solve.path.problem import (
     steps_of,
     worth,
 )
-from srs_ik.solve.path.reach import Cells, after, least_through, passed, reached
+from srs_ik.solve.path.search.blocks import KEPT, through
+from srs_ik.solve.path.search.finer import THIRDS, finer
+from srs_ik.solve.path.search.limited import best_in_time
+from srs_ik.solve.path.search.polish import FINE, polish, refine
+from srs_ik.solve.path.search.reach import Cells, after, least_through, passed, reached
 from srs_ik.system.arrays import Array
 
 LEVELS = 3
@@ -111,7 +111,7 @@ class Strips:
 
 def least_largest_step(problem: Problem) -> Way:
     """The path whose largest joint step is least, from that of the least sum of squares on."""
-    way = search(replace(problem, objective=SUM_OF_SQUARES))
+    way = best_in_time(replace(problem, objective=SUM_OF_SQUARES))
     polish(problem, way)
     loose = replace(problem, limited=False, objective=SUM_OF_SQUARES)
     whole = strips_of(loose)

@@ -13,12 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from srs_ik.kernels.layout.path import BREAK
-from srs_ik.solve.path.blocks import KEPT, find_way, through
-from srs_ik.solve.path.finer import finer
-from srs_ik.solve.path.narrow import costs_to_end, find_narrow, held_below
-from srs_ik.solve.path.polish import FINE, improve, keep_limits
 from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, JUST_ABOVE, Problem, Way, copy, evenly, too_fast, worth
-from srs_ik.solve.path.search import found
+from srs_ik.solve.path.search.blocks import KEPT, find_way, through
+from srs_ik.solve.path.search.finer import finer
+from srs_ik.solve.path.search.narrow import costs_to_end, find_narrow, held_below
+from srs_ik.solve.path.search.planned import found
+from srs_ik.solve.path.search.polish import FINE, improve, keep_limits
 
 DEAR = 1.02
 """A path that costs so many times what the best one does without velocity limits may not be the best with them."""
@@ -33,7 +33,7 @@ LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
 
 
-def search(problem: Problem) -> Way:
+def best_in_time(problem: Problem) -> Way:
     """The best path; with velocity limits and the sum of squares to be least, the best one within them.
 
     With the time to be least, the one without limits where that keeps them, else one that does.
@@ -42,7 +42,7 @@ def search(problem: Problem) -> Way:
         return found(problem)
     way = found(replace(problem, limited=False))
     if not problem.even:
-        for find, asked in ((found, problem), (search, evenly(problem))):
+        for find, asked in ((found, problem), (best_in_time, evenly(problem))):
             if not keeps_limits(problem, way):
                 way = better(problem, way, find(asked))
         return way

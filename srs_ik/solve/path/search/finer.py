@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
-from srs_ik.solve.path.blocks import held_in, through
-from srs_ik.solve.path.narrow import costs_to_end, held_below
-from srs_ik.solve.path.polish import improve
 from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, Problem, Way, worth
+from srs_ik.solve.path.search.blocks import held_in, through
+from srs_ik.solve.path.search.narrow import costs_to_end, held_below
+from srs_ik.solve.path.search.polish import improve
 from srs_ik.system.arrays import Array
 
 PARTS = np.array([0.25, 0.5, 0.75])

@@ -21,12 +21,12 @@ from srs_ik.kernels.layout.limb import FAR, LIMITED
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.freedom import met_batch, solve, solve_batch
 from srs_ik.solve.kinematics import forward_kinematics_batch
-from srs_ik.solve.path.blocks import Block, through
 from srs_ik.solve.path.breaks import breaks_of
-from srs_ik.solve.path.frontier import wandered
+from srs_ik.solve.path.free.frontier import wandered
+from srs_ik.solve.path.free.relaxed import relaxed
 from srs_ik.solve.path.problem import JUST_ABOVE, Problem, objective_of, steps_of
-from srs_ik.solve.path.relaxed import relaxed
 from srs_ik.solve.path.rows import joint_steps
+from srs_ik.solve.path.search.blocks import Block, through
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import tell

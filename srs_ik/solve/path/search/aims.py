@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from srs_ik.solve.path.least_step import least_largest_step
-from srs_ik.solve.path.limited import search
 from srs_ik.solve.path.problem import LARGEST_STEP, Problem, Way, evenly, steps_of, worth
+from srs_ik.solve.path.search.least_step import least_largest_step
+from srs_ik.solve.path.search.limited import best_in_time
 from srs_ik.solve.path.timing import passing_times
 from srs_ik.system.arrays import Array
 
@@ -23,7 +23,7 @@ def best(problem: Problem) -> Way:
     """The best path by what it is asked to make least."""
     if problem.acceleration is not None:
         return quickest(problem, problem.acceleration)
-    return least_largest_step(problem) if problem.objective == LARGEST_STEP else search(problem)
+    return least_largest_step(problem) if problem.objective == LARGEST_STEP else best_in_time(problem)
 
 
 def quickest(problem: Problem, acceleration: Array) -> Way:

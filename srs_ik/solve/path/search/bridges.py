@@ -16,8 +16,8 @@ from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.kinematics import configuration_arm_angle
 from srs_ik.kernels.layout.limb import LIMITED, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PSI, INVERSE_PERIOD, PERIOD
-from srs_ik.solve.path.blocks import Block
 from srs_ik.solve.path.problem import Problem, Way
+from srs_ik.solve.path.search.blocks import Block
 from srs_ik.solve.pose import solve_all
 from srs_ik.system.arrays import Array
 

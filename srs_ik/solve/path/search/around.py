@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BREAK
-from srs_ik.solve.path.blocks import find_way
-from srs_ik.solve.path.polish import FINE, improve
 from srs_ik.solve.path.problem import Problem, Way
+from srs_ik.solve.path.search.blocks import find_way
+from srs_ik.solve.path.search.polish import FINE, improve
 
 ROUNDS = 4
 RADIUS = 0.25

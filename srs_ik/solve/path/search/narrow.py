@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import HELD_LINKED, NODE_SAG, STRIP_FIRST, STRIP_LEAST
-from srs_ik.solve.path.blocks import Block, Carry, carried, through
 from srs_ik.solve.path.problem import EVERYWHERE, NEAR_SPACING, Problem, Stopped, Way, steps_of
+from srs_ik.solve.path.search.blocks import Block, Carry, carried, through
 from srs_ik.system.arrays import Array
 
 Marks = NDArray[np.bool_]

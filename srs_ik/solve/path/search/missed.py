@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BREAK
 from srs_ik.solve.intervals import intervals
-from srs_ik.solve.path.around import ABOUT, find_at, wider
-from srs_ik.solve.path.blocks import find_way
-from srs_ik.solve.path.bridges import bridged, flat_turns, with_turns
-from srs_ik.solve.path.polish import FINE, improve
 from srs_ik.solve.path.problem import Problem, Way, steps_of, worth
+from srs_ik.solve.path.search.around import ABOUT, find_at, wider
+from srs_ik.solve.path.search.blocks import find_way
+from srs_ik.solve.path.search.bridges import bridged, flat_turns, with_turns
+from srs_ik.solve.path.search.polish import FINE, improve
 
 LEAP = 0.2
 """A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""

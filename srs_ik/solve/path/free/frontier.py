@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from srs_ik.inputs.freedom import FreeAxis
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.freedom import met_batch, solve_batch
+from srs_ik.solve.path.free.relaxed import ways_of
 from srs_ik.solve.path.problem import Problem, steps_of
-from srs_ik.solve.path.relaxed import ways_of
 from srs_ik.solve.threads import tell
 from srs_ik.system.arrays import Array
 

@@ -1,0 +1,1 @@
+"""Joint paths through poses that leave a turn free."""
