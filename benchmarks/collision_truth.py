@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import arms
 from collision_oracle import Truth, file_of
-from test_collision_truth import boxes_and_balls
+from scene_sets import boxes_and_balls
 
 import srs_ik
 

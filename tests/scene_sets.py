@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import coal
 import numpy as np
+from arms import generator
 from scipy.spatial.transform import Rotation
 
 import srs_ik
@@ -123,3 +124,24 @@ def file_of_scene(objects: list[Object]) -> dict:
         row = {"name": each.name, each.kind: size, "xyz": each.T[:3, 3].tolist()}
         rows.append(row if each.kind == "sphere" else row | {"quat": quat})
     return {"objects": rows}
+
+
+def boxes_and_balls(arm, truth, scene):
+    """The same objects for both (or for a scene alone), some on one side only: a mirrored arm would not go unseen."""
+    rng = generator("scene", 3)
+    for k in range(6):
+        p = rng.uniform(-1.0, 1.0, 3)
+        p = arm.limb.shoulder + (0.35 + 0.3 * rng.random()) * p / np.linalg.norm(p)
+        T = srs_ik.pose_from_xyz_rpy(p, rng.uniform(-2, 2, 3))
+        if k % 3 == 0:
+            size = rng.uniform(0.05, 0.2, 3)
+            scene.add_box(f"box {k}", T, size)
+            shape = coal.Box(*size)
+        elif k % 3 == 1:
+            scene.add_sphere(f"ball {k}", p, 0.08)
+            shape = coal.Sphere(0.08)
+        else:
+            scene.add_cylinder(f"can {k}", T, 0.05, 0.25)
+            shape = coal.Cylinder(0.05, 0.25)
+        if truth is not None:
+            truth.add(f"object {k}", T.homogeneous, shape)

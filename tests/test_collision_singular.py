@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 from arms import generator
 from collision_oracle import Truth, file_of_and
-from test_collision_truth import boxes_and_balls
+from scene_sets import boxes_and_balls
 
 import srs_ik
 

@@ -1,11 +1,11 @@
 """Free arm angles against Pinocchio's collision check on the shapes of the robot's own file: none of them collides."""
 
-import coal
 import numpy as np
 import pytest
 from arms import generator
 from collision_oracle import Truth, file_of_and
 from robot_files import at_hand
+from scene_sets import boxes_and_balls
 
 import srs_ik
 
@@ -13,27 +13,6 @@ POSES, ANGLES = 25, 12
 
 LEAST_SHARE = {"iiwa14": 0.85, "human_arm": 0.85, "gen3": 0.9, "human_left": 0.8}
 """Of the free postures those that are called free, at least: more than what spheres leave is not promised."""
-
-
-def boxes_and_balls(arm, truth, scene):
-    """The same objects for both (or for a scene alone), some on one side only: a mirrored arm would not go unseen."""
-    rng = generator("scene", 3)
-    for k in range(6):
-        p = rng.uniform(-1.0, 1.0, 3)
-        p = arm.limb.shoulder + (0.35 + 0.3 * rng.random()) * p / np.linalg.norm(p)
-        T = srs_ik.pose_from_xyz_rpy(p, rng.uniform(-2, 2, 3))
-        if k % 3 == 0:
-            size = rng.uniform(0.05, 0.2, 3)
-            scene.add_box(f"box {k}", T, size)
-            shape = coal.Box(*size)
-        elif k % 3 == 1:
-            scene.add_sphere(f"ball {k}", p, 0.08)
-            shape = coal.Sphere(0.08)
-        else:
-            scene.add_cylinder(f"can {k}", T, 0.05, 0.25)
-            shape = coal.Cylinder(0.05, 0.25)
-        if truth is not None:
-            truth.add(f"object {k}", T.homogeneous, shape)
 
 
 def tried(arm, truth, scene, poses, angles, salt=0):

@@ -7,8 +7,7 @@ from pathlib import Path
 import arms
 import numpy as np
 import pytest
-from oracles import distance, inside, random_limb, wrapped
-from test_singular import phases
+from oracles import distance, inside, phases, random_limb, wrapped
 
 import srs_ik
 from srs_ik import Status

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import configurations, forward, generator, load
+from arms import configurations, generator, load
+from known_paths import assert_as_good, assert_known_is_no_better, assert_on_poses, known_motion, poses_of, total
 from oracles import random_limb
 from path_oracle import best_path, swept_postures
 
@@ -14,40 +15,6 @@ import srs_ik
 from srs_ik.solve.path.search import narrow, planned
 
 LONGEST = 0.5
-
-
-def known_motion(arm, rng, count, step):
-    """(count, 7) angles inside the limits: two sines a joint, the largest joint step as given."""
-    lower = np.where(np.isfinite(arm.lower), arm.lower, -4.0)
-    upper = np.minimum(arm.upper, lower + 8.0)
-    size = 0.5 * (upper - lower) * rng.uniform(0.3, 1.1, 7)
-    middle = 0.5 * (lower + upper)
-    middle = middle + np.maximum(0.5 * (upper - lower) - size, 0.0) * rng.uniform(-1.0, 1.0, 7)
-    share, rate = rng.uniform(0.2, 0.8, 7), rng.uniform(3.0, 12.0, (2, 7))
-    start = rng.uniform(0.0, 6.3, (2, 7))
-
-    def at(t):
-        first, second = np.sin(rate[:, None] * t[:, None] + start[:, None])
-        return np.clip(middle + size * (share * first + (1.0 - share) * second), lower, upper)
-
-    rough = np.abs(np.diff(at(np.linspace(0.0, 1.0, 400)), axis=0)).max() * 399
-    return at(np.linspace(0.0, step * (count - 1) / rough, count))
-
-
-def poses_of(arm, known):
-    return np.array([arm.forward_kinematics(q).homogeneous for q in known])
-
-
-def total(path, seed):
-    squares = (path.steps**2).sum()
-    return squares if seed is None else squares + ((path.q[0] - seed) ** 2).sum()
-
-
-def assert_on_poses(name, arm, poses, path):
-    assert path.ok.all()
-    assert ((path.q >= arm.lower) & (path.q <= arm.upper)).all()
-    for pose, q in zip(poses, path.q, strict=True):
-        assert np.abs(forward(name)(q).homogeneous - pose).max() < 1e-8
 
 
 @pytest.mark.parametrize("name", ["iiwa14", "human_arm"])
@@ -261,8 +228,7 @@ def assert_not_worse(name, numbers, motion):
     poses = poses_of(arm, known)
     for seed in (known[0], None):
         path = arm.solve_path(poses, seed=seed)
-        assert path
-        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+        assert_as_good(path, seed, known)
         assert_on_poses(name, arm, poses, path)
 
 
@@ -373,10 +339,7 @@ def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, k
     """What joins strips, or ends them, lies between poses 0.25 rad apart, or the arm is almost stretched there."""
     arm = load(name)
     known = motion_of_benchmark(arm, name, kind, motion)
-    for seed in (known[0], None):
-        path = arm.solve_path(poses_of(arm, known), seed=seed)
-        assert path
-        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+    assert_known_is_no_better(arm, known)
 
 
 @pytest.mark.slow
@@ -384,10 +347,7 @@ def test_a_straight_elbow_and_a_shoulder_that_turn_on_the_spot_turn_together():
     """Where both do, a pose has postures in two directions: joints 1, 3 and 5 share one angle."""
     arm = load("human_arm")
     known = motion_of_benchmark(arm, "human_arm", "limits", 54001)
-    for seed in (known[0], None):
-        path = arm.solve_path(poses_of(arm, known), seed=seed)
-        assert path
-        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+    assert_known_is_no_better(arm, known)
 
 
 @pytest.mark.files
@@ -399,8 +359,7 @@ def test_an_interval_between_a_limit_and_a_singular_arm_angle_beside_it_is_no_po
     arm = load("human_left")
     known = motion_of_benchmark(arm, "human_left", "limits", 54053)
     path = arm.solve_path(poses_of(arm, known), seed=known[0])
-    assert path
-    assert total(path, known[0]) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 5e-4)
+    assert_as_good(path, known[0], known, 5e-4)
 
 
 @pytest.mark.parametrize(
@@ -415,10 +374,7 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
     """The best path along coarse strips is far from the best there is: chords cost less than the curves."""
     arm = load(name)
     known = motion_of_benchmark(arm, name, "limits", motion, count)
-    for seed in (known[0], None):
-        path = arm.solve_path(poses_of(arm, known), seed=seed)
-        assert path
-        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+    assert_known_is_no_better(arm, known)
 
 
 @pytest.mark.slow
@@ -596,8 +552,7 @@ def test_a_path_close_to_its_plan_may_be_bettered():
     arm = load("sia10f")
     known = motion_of_benchmark(arm, "sia10", "singular", 400040)
     path = arm.solve_path(poses_of(arm, known), seed=known[0])
-    assert path
-    assert total(path, known[0]) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+    assert_as_good(path, known[0], known)
 
 
 def test_a_path_with_a_slightly_smaller_largest_step_is_found():
@@ -616,8 +571,7 @@ def test_oblique_axes_that_are_not_in_line_do_not_turn_on_the_spot():
     known = known_motion(arm, limb.rng, 40, 0.11390067228620228)
     poses = poses_of(arm, known)
     path = arm.solve_path(poses)
-    assert path
-    assert total(path, None) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+    assert_as_good(path, None, known)
     np.testing.assert_allclose(poses_of(arm, path.q), poses, atol=1e-9)
 
 
@@ -635,8 +589,7 @@ def test_joints_share_a_turn_along_a_limit_that_is_singular(straight):
     poses = poses_of(arm, known)
     np.testing.assert_allclose(poses_of(arm, uneven), poses, atol=1e-12)
     path = arm.solve_path(poses, seed=known[0])
-    assert path
-    assert total(path, known[0]) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+    assert_as_good(path, known[0], known)
 
 
 def test_the_largest_step_and_the_time_are_smaller_where_they_are_wanted():

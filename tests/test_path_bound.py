@@ -5,9 +5,9 @@ import pytest
 from arms import forward, generator, load
 from hypothesis import given
 from hypothesis import strategies as st
+from known_paths import known_motion, poses_of, total
 from oracles import limbs
 from path_oracle import best_path, swept_postures
-from test_path_best import known_motion, poses_of, total
 
 import srs_ik
 from srs_ik.kernels.entries import path_bound

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from known_paths import known_motion, poses_of, total
 from oracles import TURN, limbs, phases, random_limb
-from test_path_best import known_motion, poses_of, total
 
 import srs_ik
 from srs_ik.kernels.entries import path as entries

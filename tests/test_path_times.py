@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from arms import generator, load
+from known_paths import known_motion, poses_of
 from scipy.optimize import minimize
-from test_path_best import known_motion, poses_of
 
 import srs_ik
 from srs_ik.solve.path.timing import passing_times

@@ -10,9 +10,9 @@ from itertools import pairwise
 import arms
 import numpy as np
 import pytest
+from interval_oracle import assert_well_formed, disagreements
 from oracles import closed_by_newton, postures_by_steps, random_limb
 from scipy.optimize import minimize_scalar
-from test_intervals import assert_well_formed, disagreements
 
 import srs_ik
 from srs_ik import Status

@@ -1,4 +1,4 @@
-"""The shape of the package: no circles; of its kernels: few arguments, short files, small rooms."""
+"""The shape of the package: no circles; of its kernels: few arguments, short files, small rooms; of its tests."""
 
 from __future__ import annotations
 
@@ -85,6 +85,16 @@ def test_files_do_not_import_each_other_in_circles():
     }:
         left = {path: used for path, used in left.items() if path not in free}
     assert sorted(str(path.relative_to(PACKAGE)) for path in left) == []
+
+
+def test_tests_import_helpers_and_never_one_another():
+    imported = {
+        f"{path.name}: {name}"
+        for path in Path(__file__).parent.glob("*.py")
+        for name in names_imported(ast.parse(path.read_text()))
+        if name.startswith("test_")
+    }
+    assert imported == set()
 
 
 def module_of(path: Path) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class InLimits:
-    """The questions of `Arm` whose answers depend on what stands around it; `in_scene.questions.InScene` has the same."""
+    """Questions of `Arm` whose answers depend on what stands around it; `in_scene.questions.InScene` has the same."""
 
     def __init__(self, arm: ChainKinematics, packed: PackedArm) -> None:
         self.arm = arm
