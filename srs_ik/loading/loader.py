@@ -114,29 +114,45 @@ def load(
         chain = changes.within_limits(chain, changed) if changed is not None else chain
     reference = asked_reference if asked_reference is not None else _meant_reference(description, chain)
     axes = asked_hand if asked_hand is not None else _meant_hand(description, chain)
-    if description.tool is not None and tip == description.tip:
-        T_tip_tool = _matrix(description.tool)
-        chain = changes.with_tool(chain, T_tip_tool, description.tool.name)
-        axes = None if axes is None else axes @ T_tip_tool[:3, :3]
-    if description.mount is not None and base == description.base:
-        T_mount_base = _matrix(description.mount)
-        gravity = None if description.mount.gravity is None else np.array(description.mount.gravity)
-        chain = changes.on_base(chain, T_mount_base, description.mount.name, gravity)
+    chain, reference, axes = _furnished(description, chain, reference, axes)
+    recognised = _recognised(description, chain, reference, f"{base} -> {tip}")
+    given = [
+        name for each in (description.limits, limits or {}) for name in each if {"lower", "upper"} & each[name].keys()
+    ]
+    _warn_of_oddities(description, described, recognised, given)
+    hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
+    arm = Arm(chain, recognised, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
+    # A file of groups alone says nothing of collisions.
+    return arm.with_bodies(srdf=srdf) if srdf is not None and disabled(srdf).names else arm
+
+
+def _furnished(
+    description: Description, chain: Chain, reference: Vector, hand: Vector | None
+) -> tuple[Chain, Vector, Vector | None]:
+    """A chain with the tool and the mount of its description; reference and hand are turned along."""
+    tool, mount = description.tool, description.mount
+    base, tip = chain.base, chain.tip
+    if tool is not None and tip == description.tip:
+        T_tip_tool = _matrix(tool)
+        chain = changes.with_tool(chain, T_tip_tool, tool.name)
+        hand = None if hand is None else hand @ T_tip_tool[:3, :3]
+    if mount is not None and base == description.base:
+        T_mount_base = _matrix(mount)
+        gravity = None if mount.gravity is None else np.array(mount.gravity)
+        chain = changes.on_base(chain, T_mount_base, mount.name, gravity)
         reference = T_mount_base[:3, :3] @ reference
+    return chain, reference, hand
+
+
+def _recognised(description: Description, chain: Chain, reference: Vector, where: str) -> SrsLimb:
+    """The limb of a chain; raises NotAnSrsLimb, naming where it was looked for, if it is none."""
     found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, reference)
     if found.limb is None:
         misses_mm, allowed_mm = 1e3 * found.misses, 1e3 * found.allowed
         clause = explained(found.reason, chain.joint_names, misses_mm, allowed_mm)
-        message = f"{description.robot.source}: {base} -> {tip} is no S-R-S limb: {clause}"
+        message = f"{description.robot.source}: {where} is no S-R-S limb: {clause}"
         raise NotAnSrsLimb(message, chain.joint_names, misses_mm.tolist(), allowed_mm)
-    given = [
-        name for each in (description.limits, limits or {}) for name in each if {"lower", "upper"} & each[name].keys()
-    ]
-    _warn_of_oddities(description, described, found.limb, given)
-    hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
-    arm = Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
-    # A file of groups alone says nothing of collisions.
-    return arm.with_bodies(srdf=srdf) if srdf is not None and disabled(srdf).names else arm
+    return found.limb
 
 
 @whole

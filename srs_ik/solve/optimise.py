@@ -144,54 +144,18 @@ def _by_function(
     """The optimum of an objective that is a Python function, by the same search."""
     evaluate, sign = objective.evaluator(chain), -1.0 if objective.maximise else 1.0
     cost = OverTurns(lambda q: sign * evaluate(q), arm.lower, arm.upper, respect_limits)
-    runs = np.empty((at.MOST_RUNS, at.RUN))
-    rows = np.empty((_USUAL_ROWS, entries.SAMPLE))
-    n, k, verdict = entries.sample(arm.family, T, respect_limits, runs, rows)
-    if verdict:
-        raise invalid_pose(verdict)
-    if n > len(rows):
-        rows = np.empty((n, entries.SAMPLE))
-        entries.sample(arm.family, T, respect_limits, runs, rows)
-    rows = rows[:n]
-
-    def search(rows: Array, k: int, best: float) -> tuple[float, int, Array]:
-        """Value, run and row of the best posture of some runs; run -1 where none is below `best`."""
-        values = np.array([cost(row[1 : entries.SAMPLE_WAY]) for row in rows])
-        brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
-        count = entries.brackets(rows, values, runs, k, brackets)
-        best_run = -1
-        state, row, best_row = np.empty(at.STATE), np.empty(ROW), np.empty(ROW)
-        for bracket in brackets[:count]:
-            if bracket[7] >= best:
-                continue
-            run = int(bracket[1])
-            entries.begin(state, bracket, at.SHARP if objective.function else at.SMOOTH)
-            while True:
-                x, wanted = entries.next_point(state)
-                if not wanted:
-                    break
-                value = at.REFUSED
-                if entries.posture(arm.family, T, rows, runs[run], x, respect_limits, row):
-                    value = cost(row[:7])
-                entries.answer(state, value)
-            if state[at.F_BEST] >= best:
-                continue
-            if entries.posture(arm.family, T, rows, runs[run], state[at.BEST], respect_limits, row):
-                best, best_run = float(state[at.F_BEST]), run
-                best_row[:] = row
-        return best, best_run, best_row
-
-    best, best_run, best_row = search(rows, k, at.REFUSED)
-    if best_run < 0:
+    search = _Runs(arm, T, cost, at.SHARP if objective.function else at.SMOOTH, respect_limits)
+    rows, k = search.sampled()
+    best, run, best_row = search.least(rows, k, at.REFUSED)
+    if run < 0:
         return _judged(arm, chain, solve(arm, T, respect_limits=respect_limits), T, objective, respect_limits)
-    lower, upper = entries.interval(arm.family, T, rows, runs[best_run])
+    lower, upper = entries.interval(arm.family, T, rows, search.runs[run])
     for _ in range(at.ROUNDS):
         # On a surface, lines lead on from its best posture.
-        rows = np.empty((entries.SPARE_ROWS, entries.SAMPLE))
-        n, k = entries.star(arm.family, T, best_row[:7].copy(), respect_limits, runs, rows)
-        if n > 0:
+        rows, k = search.starred(best_row[:7].copy())
+        if len(rows):
             lower = upper = best_row[ROW_ARM_ANGLE]
-        value, run, row = search(rows[:n], k, best - at.TIE * abs(best))
+        value, run, row = search.least(rows, k, best - at.TIE * abs(best))
         if run < 0:
             break
         best, best_row = value, row
@@ -199,3 +163,71 @@ def _by_function(
     interval = Interval(int(best_row[ROW_BRANCH]), float(lower), float(upper))
     best_row[:7] = cost.turned(best_row[:7])
     return Optimum(best_row, arm.joint_names, objective, [sign * best], interval)
+
+
+class _Runs:
+    """Runs of postures of a pose, sampled by kernels and searched for the least of a cost that Python computes.
+
+    Attributes:
+        runs: (MOST_RUNS, RUN) the runs that were sampled last.
+    """
+
+    def __init__(
+        self, arm: PackedArm, T: Array, cost: Callable[[Array], float], kind: float, respect_limits: bool
+    ) -> None:
+        self._family, self._T, self._cost, self._kind, self._respect = arm.family, T, cost, kind, respect_limits
+        self.runs = np.empty((at.MOST_RUNS, at.RUN))
+
+    def sampled(self) -> tuple[Array, int]:
+        """(n, SAMPLE) samples of all postures of the pose, and how many runs they are of.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+        """
+        rows = np.empty((_USUAL_ROWS, entries.SAMPLE))
+        n, k, verdict = entries.sample(self._family, self._T, self._respect, self.runs, rows)
+        if verdict:
+            raise invalid_pose(verdict)
+        if n > len(rows):
+            rows = np.empty((n, entries.SAMPLE))
+            entries.sample(self._family, self._T, self._respect, self.runs, rows)
+        return rows[:n], k
+
+    def starred(self, q: Array) -> tuple[Array, int]:
+        """The same of lines through a posture (7,) in all directions in which its pose leaves it free."""
+        rows = np.empty((entries.SPARE_ROWS, entries.SAMPLE))
+        n, k = entries.star(self._family, self._T, q, self._respect, self.runs, rows)
+        return rows[:n], k
+
+    def least(self, rows: Array, k: int, best: float) -> tuple[float, int, Array]:
+        """Cost, run and row of the best posture of some runs; run -1 where none is below `best`."""
+        values = np.array([self._cost(row[1 : entries.SAMPLE_WAY]) for row in rows])
+        brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
+        count = entries.brackets(rows, values, self.runs, k, brackets)
+        best_run = -1
+        state, row, best_row = np.empty(at.STATE), np.empty(ROW), np.empty(ROW)
+        for bracket in brackets[:count]:
+            if bracket[7] >= best:
+                continue
+            run = int(bracket[1])
+            self._close_in(rows, bracket, state, row)
+            if state[at.F_BEST] >= best:
+                continue
+            if self._posture(rows, run, state[at.BEST], row):
+                best, best_run = float(state[at.F_BEST]), run
+                best_row[:] = row
+        return best, best_run, best_row
+
+    def _close_in(self, rows: Array, bracket: Array, state: Array, row: Array) -> None:
+        """Search between the ends of a bracket; `state` says what the best is, and where."""
+        entries.begin(state, bracket, self._kind)
+        while True:
+            x, wanted = entries.next_point(state)
+            if not wanted:
+                return
+            met = self._posture(rows, int(bracket[1]), x, row)
+            entries.answer(state, self._cost(row[:7]) if met else at.REFUSED)
+
+    def _posture(self, rows: Array, run: int, x: float, row: Array) -> bool:
+        """Write the posture of a run at a place into a row; whether there is one."""
+        return bool(entries.posture(self._family, self._T, rows, self.runs[run], x, self._respect, row))
