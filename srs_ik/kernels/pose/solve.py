@@ -11,7 +11,7 @@ import numpy as np
 from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, one_of, scatter
 from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
-from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
+from srs_ik.kernels.chain.closest import UPRIGHT, closer_upright, closest, is_alike, is_closer, is_too_far, put_upright
 from srs_ik.kernels.chain.eight import put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped
@@ -60,7 +60,7 @@ def own_goal(seeds, i, respect):
 @kernel
 def write_closest(P, target, goal, out):
     """Put the closest configuration in the place of one out of reach whose stretched arm breaks the limits."""
-    q = closest(P, read7(out), target, np.empty((6, 7)), np.empty((16, 9)))
+    q = closest(P, read7(out), target, goal, np.empty((6, 7)), np.empty((16, 9)))
     q = clipped(P, turned(P, q, goal.seeded, goal.seed, True))
     measure_row(P, target, q, branch_of(P, q), UNMET, True, out)
     out[at.ROW_STATUS] = at.UNREACHABLE
@@ -68,7 +68,10 @@ def write_closest(P, target, goal, out):
 
 @kernel
 def stretch_true(family, target, goal, J, A, out):
-    """Bend a near limb, stretched towards a pose out of reach by the closed form, to where it comes closest."""
+    """Bend a near limb, stretched towards a pose out of reach by the closed form, to where it comes closest.
+
+    With a seed, first of all from there: it does not turn its elbow around for what is hardly closer.
+    """
     P, F = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE)
     q = read7(out)
     if is_too_far(P, q, target, J):
@@ -78,6 +81,9 @@ def stretch_true(family, target, goal, J, A, out):
         psi = 2.0 * math.pi * i / LOOKS
         q, _, _ = best_branch(P, target.place, psi, 5 * i % 8, False, NO_SEED, goal.respect)
         best = closer_upright(F, clipped(F, q), best, target, J, A)
+    if goal.seeded:
+        near = closer_upright(F, clipped(F, goal.seed), (goal.seed, math.inf), target, J, A)
+        best = near if is_alike(near[1], best[1], UPRIGHT) else best
     q = put_upright(F, best[0], target, J, A)
     q = clipped(F, turned(F, q, goal.seeded, goal.seed, True))
     measure_row(P, target, q, branch_of(P, q), UNMET, False, out)
