@@ -100,6 +100,25 @@ SHORT_STRETCH = (
 )
 """A posture and a seed: joints 1 and 3 are in these turns on a short stretch of the curve alone."""
 
+TIPS = [
+    ("random_rounded", 79000001, 8,
+     (-0.5158817681537791, 1e-12, 2.0083794006973266, -7.597411402207652e-08, 5.517230401232952, 1e-12,
+      3.673029559072515),
+     (-0.9340817443140212, -0.3227659237077664, 2.392448388733022, -0.22949489949933163, 5.250098642574679,
+      -0.4766532267950527, 3.8801336776234776),
+     (-0.6954703113115528, -1.4175841080308052e-08, 2.342183565624579, -8.426673637220657e-08, 5.141200179990194,
+      -1.654932216848715e-09, 3.894844158545794)),
+    ("random_oblique", 77000001, 87,
+     (1.5816032231880284, -0.07779234729968154, 1.5589574648623605, 0.0, -3.8200632267850687, -3.0745468079253016,
+      -0.11511241705960984),
+     (1.6032800224261745, -0.06296586604705161, 1.560369890834407, 0.006261663085052757, -3.8354616714523053,
+      -3.086249987563821, -0.09401316208917133),
+     (1.5826221035519679, -0.07747253961399553, 1.5578871742586797, -2.411578133128487e-07, -3.8196198045170204,
+      -3.0747261687033207, -0.11465851801240169)),
+]  # fmt: skip
+"""Made arms, by kind, seed and place; postures with shoulder, elbow and wrist singular, seeds, and postures that are as
+near to these as steps along those of the pose lead."""
+
 STRIDE = 1e-3
 AS_WELL = 2e-13
 """A step beside an answer, rad, and the error (m, rad) with which it is no worse a posture."""
@@ -196,6 +215,18 @@ def test_needles_of_straight_elbows_are_gone_along_to_their_tips(name, case):
     other, error = beside(arm, solution.q, pose, seed, STRIDE)
     nearer = np.linalg.norm(other - seed) < np.linalg.norm(solution.q - seed) - 1e-6
     assert not (nearer and error < AS_WELL and inside(other, arm.lower, arm.upper))
+
+
+@pytest.mark.parametrize("case", TIPS, ids=["rounded", "oblique"])
+def test_steps_where_three_parts_are_singular_end_where_none_leads_nearer(judges, case):
+    kind, seed, place, q, start, nearer = case
+    arm = next(islice((arm for arm, _ in judges["subjects"]["arms_of"](kind, 1000, seed)), place, None))
+    pose = arm.forward_kinematics(q)
+    assert max(arm.verify(pose, nearer)) < AS_WELL
+    assert inside(np.array(nearer), arm.lower, arm.upper)
+    solution = arm.solve(pose, seed=start)
+    assert max(arm.verify(pose, solution.q)) < LEFT
+    assert np.linalg.norm(solution.q - start) < np.linalg.norm(np.subtract(nearer, start)) + 1e-6
 
 
 @pytest.mark.parametrize("name", RM75)
