@@ -126,7 +126,7 @@ class Scene(Fixed):
         return name in self._things
 
     def add_sphere(self, name: str, centre: ArrayLike, radius: float) -> None:
-        """Add a sphere.
+        """Add a sphere of a radius, m, about a centre (3,) in the base frame, m.
 
         Raises:
             InvalidScene: the name is taken, or the figures are not finite or not positive.
@@ -149,7 +149,7 @@ class Scene(Fixed):
         self._add_form(name, as_pose(pose, name), "box", edges)
 
     def add_cylinder(self, name: str, pose: PoseLike, radius: float, length: float) -> None:
-        """Add a cylinder about the z axis of a pose, m.
+        """Add a cylinder of a radius and a length, m, about the z axis of a pose, which is in its middle.
 
         Raises:
             InvalidScene: the name is taken, the pose is none, or a size is not positive and finite.
@@ -157,7 +157,7 @@ class Scene(Fixed):
         self._add_form(name, as_pose(pose, name), "cylinder", self._round(name, radius, length))
 
     def add_capsule(self, name: str, pose: PoseLike, radius: float, length: float) -> None:
-        """Add a capsule about the z axis of a pose: a cylinder of this length, and half a sphere at each end, m.
+        """Add a capsule: such a cylinder, and half a sphere of its radius at each end.
 
         Raises:
             InvalidScene: the name is taken, the pose is none, or a size is not positive and finite.

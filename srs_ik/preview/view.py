@@ -320,6 +320,10 @@ class Preview(StillPage):
 
         Each is scaled to the size of the arm.
 
+        Args:
+            q: (7,) joint angles, rad.
+            part: the linear or the angular polytopes.
+
         Raises:
             InvalidConfiguration: not 7 finite angles.
             InvalidTask: no such part.

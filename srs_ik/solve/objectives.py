@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scales
 from srs_ik.errors import InvalidTask, did_you_mean, listed, quoted
 from srs_ik.inputs.angles import as_joint_vector, refuse_bad_angles
-from srs_ik.inputs.numbers import as_flag, real_array, real_number
+from srs_ik.inputs.numbers import as_flag, real_number, vector_of
 from srs_ik.kernels.layout import objectives as kinds
 from srs_ik.kernels.layout.limb import SMALLEST_RANGE
 from srs_ik.kinematics import check_arm
@@ -201,7 +201,7 @@ class Objective:
         return self.values(arm, q)[0]
 
     def values(self, arm: ChainKinematics, q: ArrayLike) -> tuple[float, ...]:
-        """The value, and for a lexicographic objective that of the second one too; see `value`."""
+        """The value at (7,) joint angles, rad, and that of the second objective of a lexicographic one; see `value`."""
         check_arm(arm)
         q = as_joint_vector(q)
         if self.kind in (None, kinds.LIMIT_MARGIN, kinds.REFERENCE, kinds.GRAVITY):
@@ -262,12 +262,7 @@ def _tolerance(value: Any) -> float:
 
 def _direction(value: Any, size: int, what: str) -> Array:
     """A vector of any length, scaled to length 1."""
-    try:
-        vector = real_array(value)
-    except (TypeError, ValueError):
-        raise InvalidTask(f"{what} must be {size} numbers, not {type(value).__name__}") from None
-    if vector.shape != (size,):
-        raise InvalidTask(f"{what} must be {size} numbers, not an array of shape {vector.shape}")
+    vector = vector_of(value, size, what, InvalidTask)
     if not np.isfinite(vector).all():
         raise InvalidTask(f"{what} has entries that are not finite numbers")
     largest = np.abs(vector).max()
