@@ -121,6 +121,29 @@ def test_of_postures_that_violate_limits_equally_the_closest_is_given(name):
                     assert measure(arm, pose, forward(solution.q)) <= measure(arm, pose, there) + EQUAL
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "limb14"])
+def test_of_postures_that_violate_limits_equally_the_nearest_to_a_seed_is_given(name):
+    """As of a robot that rests a little beyond the limit of its elbow."""
+    arm, forward = limb_of(name)
+    rng, seen = arms.generator("beyond a limit", len(name)), 0
+    for _ in range(12):
+        q = rng.uniform(np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi))
+        out = 10.0 ** rng.uniform(-6.0, -3.0)
+        q[3] = arm.lower[3] - out if rng.random() < 0.5 else arm.upper[3] + out
+        pose, seed = forward(q), q + rng.uniform(-0.2, 0.2, 7) * (rng.random() < 0.7)
+        psi = arm.arm_angle(q)
+        for solution, psis in ((arm.solve(pose, seed=seed), SWEEP), (arm.solve(pose, psi, seed), np.array([psi]))):
+            if solution.status != "OUT_OF_LIMITS":
+                continue
+            Q = np.vstack([q, swept(arm, forward, pose, psis)])
+            equals = Q[violation(arm, Q) <= violation(arm, Q).min() + 1e-9]
+            if len(equals) > 1:
+                nearest = np.linalg.norm(np.clip(equals, arm.lower, arm.upper) - seed, axis=1).min()
+                assert np.linalg.norm(solution.q - seed) < nearest + 2.0 * out + 1e-6
+                seen += 1
+    assert seen > 5
+
+
 def closest_around(arm, forward, pose):
     """(n,) how close the closest of the least violating postures comes at each arm angle of a sweep that has one."""
     least, closest = violation(arm, swept(arm, forward, pose, SWEEP)).min(), []

@@ -13,6 +13,7 @@ from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import apply, cross, dot, norm, scale, sub, times_transposed
 from srs_ik.kernels.chain.kinematics import joint_lines, point_velocity
+from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 
@@ -26,6 +27,9 @@ LEANING, UPRIGHT, EXACT = 0.03, 1e-3, 1e-5
 
 One after the other, since along a narrow valley Newton's steps are short.
 """
+
+ALIKE = 5e-5
+"""A posture next to a seed is taken that comes as close as the closest but for this, in reaches and rad."""
 
 GENTLE = 1e-8
 """Damping of the last steps, which only turn the tip: more than lengths of the last weight curve the measure."""
@@ -183,8 +187,17 @@ def is_closer(P, q, other, target, J):
 
 
 @kernel
-def closest(P, q, target, J, A):
-    """The configuration inside the limits that is closest to a pose, or q, which is inside, where none is closer."""
+def is_alike(value, lowest, weight):
+    """Whether a posture of some measure comes as close to a pose as the closest of all, with lengths weighed."""
+    return math.sqrt(value) < math.sqrt(lowest) + ALIKE * weight
+
+
+@kernel
+def closest(P, q, target, goal, J, A):
+    """The configuration inside the limits that is closest to a pose, or q, which is inside, where none is closer.
+
+    With a seed, the one in its valley where that comes as close.
+    """
     if is_too_far(P, q, target, J):
         return q
     best, lowest = q, math.inf
@@ -195,6 +208,10 @@ def closest(P, q, target, J, A):
         x, value = to_bottom(P, x, target, 1.0, lowest, J, A)
         if value < lowest:
             best, lowest = x, value
+    if goal.seeded:
+        x, value = to_bottom(P, clipped(P, goal.seed), target, 1.0, math.inf, J, A)
+        if is_alike(value, lowest, 1.0):
+            return x
     return best
 
 

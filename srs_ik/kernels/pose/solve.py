@@ -9,20 +9,22 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, one_of, scatter
-from srs_ik.kernels.algebra.pointers import read7, row
+from srs_ik.kernels.algebra.pointers import keep, read7, row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
-from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
+from srs_ik.kernels.chain.closest import UPRIGHT, closer_upright, closest, is_alike, is_closer, is_too_far, put_upright
 from srs_ik.kernels.chain.eight import put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped
+from srs_ik.kernels.exact.farthest import GAIN_OUTSIDE
 from srs_ik.kernels.exact.free_splits import worse_by
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import answer as at
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import FAMILY, FREE, IS_NEAR, LIMITED, SHOULDER, SIZE, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.postures_eight import farthest_branches, join_parts
 from srs_ik.kernels.limb.triangle import place, read_target
@@ -58,7 +60,7 @@ def own_goal(seeds, i, respect):
 @kernel
 def write_closest(P, target, goal, out):
     """Put the closest configuration in the place of one out of reach whose stretched arm breaks the limits."""
-    q = closest(P, read7(out), target, np.empty((6, 7)), np.empty((16, 9)))
+    q = closest(P, read7(out), target, goal, np.empty((6, 7)), np.empty((16, 9)))
     q = clipped(P, turned(P, q, goal.seeded, goal.seed, True))
     measure_row(P, target, q, branch_of(P, q), UNMET, True, out)
     out[at.ROW_STATUS] = at.UNREACHABLE
@@ -66,7 +68,10 @@ def write_closest(P, target, goal, out):
 
 @kernel
 def stretch_true(family, target, goal, J, A, out):
-    """Bend a near limb, stretched towards a pose out of reach by the closed form, to where it comes closest."""
+    """Bend a near limb, stretched towards a pose out of reach by the closed form, to where it comes closest.
+
+    With a seed, first of all from there: it does not turn its elbow around for what is hardly closer.
+    """
     P, F = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE)
     q = read7(out)
     if is_too_far(P, q, target, J):
@@ -76,6 +81,9 @@ def stretch_true(family, target, goal, J, A, out):
         psi = 2.0 * math.pi * i / LOOKS
         q, _, _ = best_branch(P, target.place, psi, 5 * i % 8, False, NO_SEED, goal.respect)
         best = closer_upright(F, clipped(F, q), best, target, J, A)
+    if goal.seeded:
+        near = closer_upright(F, clipped(F, goal.seed), (goal.seed, math.inf), target, J, A)
+        best = near if is_alike(near[1], best[1], UPRIGHT) else best
     q = put_upright(F, best[0], target, J, A)
     q = clipped(F, turned(F, q, goal.seeded, goal.seed, True))
     measure_row(P, target, q, branch_of(P, q), UNMET, False, out)
@@ -110,6 +118,17 @@ def best_posture(family, target, branch, goal, J, A):
 
 
 @kernel
+def nearest_of_equals(family, target, branch, goal, found, J, A):
+    """The least violating posture of a pose, or of those as good the nearest to a seed: q, branch, cost."""
+    wide = np.empty((FAMILY, SIZE))
+    for k in range(FAMILY):
+        tighten(row(family, k), goal.seed, math.inf, found[2] - OUTSIDE + GAIN_OUTSIDE, row(wide, k))
+    q, own, value = best_posture(wide, target, branch, goal, J, A)
+    keep(wide)
+    return (q, own, found[2]) if value < OUTSIDE else found
+
+
+@kernel
 def solve_row(family, T, branch, goal, J, A, out):
     """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
     P = row(family, LIMITED)
@@ -117,7 +136,9 @@ def solve_row(family, T, branch, goal, J, A, out):
     if verdict != at.GOOD_POSE:
         return verdict
     q, best, lowest = best_posture(family, target, branch, goal, J, A)
-    if may_have_equals(P, target, branch, lowest, goal):
+    if goal.seeded and goal.respect and OUTSIDE <= lowest < UNMET:
+        q, best, lowest = nearest_of_equals(family, target, branch, goal, (q, best, lowest), J, A)
+    elif may_have_equals(P, target, branch, lowest, goal):
         q, best, lowest = closest_of_equals(P, target, (q, best, lowest), goal, True, J)
     measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
     if P[IS_NEAR] != 0.0 and branch < 0 and lowest >= UNMET and out[at.ROW_STATUS] == at.OUT_OF_LIMITS:
