@@ -158,28 +158,37 @@ class Arm(BodyOwner):
         arm_angle: float | None = None,
         respect_limits: bool = True,
         *,
+        seed: ArrayLike | None = None,
         scene: Scene | None = None,
         margin: float = 0.0,
     ) -> Solutions:
         """All postures for a pose: every branch at an arm angle, or one posture for every interval of `intervals`.
 
+        With a seed, the nearest posture of every branch.
+
         Args:
             pose: wanted pose of the tip frame in the base frame.
             arm_angle: rad; without it, each posture is the one farthest from the limits in its interval.
             respect_limits: whether to leave out postures outside the joint limits.
+            seed: (7,) rad. Joints are in the turns nearest to it, and the nearest posture comes first.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Returns:
-            The solutions, in the order of branches; empty if there is none, with a message that says why.
+            The solutions, by branch or by distance; empty if there is none, with a message that says why.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform.
-            InvalidConfiguration: the arm angle is not a finite number.
+            InvalidConfiguration: the arm angle is not a finite number, or the seed not seven.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        return self._asked(scene, margin).solve_all(pose, arm_angle, as_flag(respect_limits, "respect_limits"))
+        asked, respect = self._asked(scene, margin), as_flag(respect_limits, "respect_limits")
+        if seed is None:
+            return asked.solve_all(pose, arm_angle, respect)
+        from srs_ik.solve.by_branch import nearest_of_each
+
+        return nearest_of_each(self.packed, asked, pose, arm_angle, seed, respect)
 
     def solve_batch(
         self,
@@ -766,6 +775,32 @@ class Arm(BodyOwner):
         T = as_rigid_matrix(T_newbase_base)
         g = None if gravity is None else as_gravity(gravity)
         return self._again(changes.on_base(self._chain, T, name, g), T[:3, :3] @ self.limb.reference, self.hand)
+
+    def with_limits(
+        self,
+        lower: ArrayLike | None = None,
+        upper: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        effort: ArrayLike | None = None,
+    ) -> Self:
+        """This arm with other limits, tighter or wider; those not given stay. The arm itself stays as it is.
+
+        For limits of software, postures near a seed alone, or one branch of the elbow. Tools, bodies and what is held
+        stay, too.
+
+        Args:
+            lower: (7,) lower limits of the joints, rad; -inf where there is none.
+            upper: (7,) upper ones; inf where there is none.
+            velocity: (7,) limits of velocity, rad/s; inf where there is none.
+            effort: (7,) limits of torque, N m; inf where there is none.
+
+        Raises:
+            InvalidRobot: limits are not seven numbers, a lower limit is above the upper one, or a velocity or effort
+                is not positive.
+        """
+        given = {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}
+        chain = changes.within_limits(self._chain, changes.by_joint(self.joint_names, given))
+        return type(self)(chain, self.limb, self.name, self.hand, self.drawing, self.plan)
 
     def _again(self, chain: Chain, reference: Array, hand: Hand | None) -> Self:
         """This arm, made anew from a chain with the same joints."""

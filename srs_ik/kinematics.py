@@ -47,7 +47,8 @@ class ChainKinematics(Fixed):
         upper: (7,) upper joint limits, rad; inf where continuous.
         velocity_limit: (7,) rad/s; inf where the description gives none.
         effort_limit: (7,) N m; inf where the description gives none.
-        model: `pinocchio.Model` of the 7 joints.
+        model: `pinocchio.Model` of the 7 joints. Its root need not be `base`: poses here are those of
+            `oMf[base].inverse() * oMf[tip]`.
     """
 
     _fixed = frozenset(

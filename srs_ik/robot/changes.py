@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
-from srs_ik.inputs.numbers import real_number
+from srs_ik.inputs.numbers import real_array, real_number, what_is
 from srs_ik.robot.chain import Chain, unlimited_if_huge
 from srs_ik.robot.limb import Vector
 from srs_ik.system import bounds
@@ -104,6 +105,27 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
     model.velocityLimit = arrays["velocity_limit"]
     model.effortLimit = arrays["effort_limit"]
     return replace(chain, model=model, **arrays)
+
+
+def by_joint(joint_names: Sequence[str], given: Mapping[str, ArrayLike | None]) -> dict[str, dict[str, float]]:
+    """Limits as `within_limits` takes them, from seven figures of each kind; those that are None stay.
+
+    Raises:
+        InvalidRobot: not seven numbers.
+    """
+    limits: dict[str, dict[str, float]] = {name: {} for name in joint_names}
+    for key, values in given.items():
+        if values is None:
+            continue
+        try:
+            figures = real_array(values)
+        except (TypeError, ValueError):
+            raise InvalidRobot(f"{key} must be 7 numbers, not {what_is(values)}") from None
+        if figures.shape != (7,):
+            raise InvalidRobot(f"{key} must be 7 numbers, not {what_is(values)}")
+        for name, figure in zip(joint_names, figures.tolist(), strict=True):
+            limits[name][key] = figure
+    return limits
 
 
 def _warn_of_degrees(joint: str, changes: Mapping[str, float]) -> None:

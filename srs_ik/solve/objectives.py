@@ -293,7 +293,10 @@ def _checked(function: Callable[[Array], float], name: str) -> Callable[[Array],
         if np.isnan(value) and not isinstance(answer, float | np.floating):
             raise InvalidTask(f"objective {name!r} must return a number, not {type(answer).__name__}")
         if not np.isfinite(value):
-            raise InvalidTask(f"objective {name!r} must return a finite number, not {value} as at q = {q.tolist()}")
+            raise InvalidTask(
+                f"objective {name!r} must return a finite number, not {value} as at q = {q.tolist()}; "
+                "where a posture is not allowed, a large one"
+            )
         return value
 
     return checked
