@@ -22,7 +22,7 @@ from srs_ik.collision.figures import (
     warn_of_a_large_box,
     warn_of_millimetres,
 )
-from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
+from srs_ik.collision.forms import Form, ball_around, frame_along, planes, row_of_spheres
 from srs_ik.collision.thing import CELL, Thing, ball_of, cells_of
 from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.fixed import Fixed
@@ -219,10 +219,7 @@ class Scene(Fixed):
         if length < 1e-9:
             raise InvalidScene(f"normal of {quoted(name)} must not be zero: it gives a direction")
         unit = direction / length
-        T = np.eye(4)
-        across = np.linalg.svd(unit[None])[2][1]
-        T[:3] = np.column_stack([across, np.cross(unit, across), unit, origin])
-        thing = Thing(as_name(name), np.eye(4), (Form("half_space", (), T),))
+        thing = Thing(as_name(name), np.eye(4), (Form("half_space", (), frame_along(unit, origin)),))
         thing.add(at.PLANES, np.array([[*unit, unit @ origin]]), np.array([*origin, np.inf]))
         self._put(thing)
 
