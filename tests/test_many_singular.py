@@ -119,6 +119,22 @@ TIPS = [
 """Made arms, by kind, seed and place; postures with shoulder, elbow and wrist singular, seeds, and postures that are as
 near to these as steps along those of the pose lead."""
 
+FARTHER_INSIDE = (
+    (0, (2.8883971832896487, 1e-10, -3.1655901855809496, -2.4773068477198968e-08, 0.4426132107692151, 1e-10,
+         5.306572392300396),
+     (-0.8027790093453171, -2.890558187013737e-08, -0.35088483263244685, 3.035606724753772e-09, -0.835265285561845,
+      1.2250792586613576e-08, 1.1777364211383752)),
+    (3, (5.257255315654201, -1e-12, 0.11254253768103073, -5.0928311701087775e-08, 0.9552087131933957,
+         3.141592653590793, -4.293031013281334),
+     (3.2892467411905315, 9.128351263366757e-08, -0.13871229834378773, -3.459679028181974e-08, -2.0107949000431393,
+      3.141592712404617, -3.1951127298267763)),
+    (5, (2.941038226892365, -1e-07, 2.796266262421305, 1.0830701832509244e-08, -3.3151851940933734,
+         -1.2383498227818523, 0.1997720854074414),
+     (1.672251010038098, -2.530163037886311e-08, 2.1791577874006127, -2.996802621147668e-08, -1.4292894887392606,
+      -1.2383498975436251, 0.19977204410551025)),
+)  # fmt: skip
+"""Random limbs by their numbers, a posture that no curve is led to, and one of its pose farther from the limits."""
+
 STRIDE = 1e-3
 AS_WELL = 2e-13
 """A step beside an answer, rad, and the error (m, rad) with which it is no worse a posture."""
@@ -189,6 +205,26 @@ def test_postures_that_are_nearer_elsewhere_on_a_curve_are_found(judges, case):
     solution = arm.solve(pose, seed=seed)
     assert max(arm.verify(pose, solution.q)) < SOLVED
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(nearer - seed) + 1e-9
+
+
+def farthest_out(arm, q):
+    """Of all joints with limits, the largest distance from the middle of the range, as a part of half the range."""
+    limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    middle, half = 0.5 * (arm.lower + arm.upper)[limited], 0.5 * (arm.upper - arm.lower)[limited]
+    return np.abs((np.asarray(q)[limited] - middle) / half).max()
+
+
+@pytest.mark.parametrize(("number", "q", "other"), FARTHER_INSIDE, ids=[str(case[0]) for case in FARTHER_INSIDE])
+def test_postures_that_no_curve_is_led_to_are_as_far_from_the_limits_as_others(judges, number, q, other):
+    """Such a posture was looked for at arm angles all around before, and not where joints are free to turn."""
+    arm, _ = next(islice(judges["subjects"]["arms_of"]("random_rounded", 1000, 19000001), number, None))
+    pose = arm.forward_kinematics(q)
+    assert max(arm.verify(pose, other)) < AS_WELL
+    assert inside(np.array(other), arm.lower, arm.upper)
+    solution = arm.solve(pose)
+    assert solution.status == "OK"
+    assert max(arm.verify(pose, solution.q)) < LEFT
+    assert farthest_out(arm, solution.q) < farthest_out(arm, other) + 1e-3
 
 
 def beside(arm, q, pose, seed, stride):
