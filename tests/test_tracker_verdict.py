@@ -225,9 +225,6 @@ def miss_of(tip, wanted, free, reach):
     return np.hypot(metres, reach * turned)
 
 
-NEXT_TO = 0.06
-"""A tip that misses its target by more than this, m, does not follow a plan, which may go on at rest."""
-
 EVERY = {"none": None, "roll": ROLL, "narrow": FreeAxis([0, 0, 1], cone=0.1), "cone": FreeAxis([0, 1, 1], cone=0.5)}
 
 
@@ -247,7 +244,7 @@ def test_joints_come_to_rest_where_a_target_at_rest_is_out_of_reach_as_close_as_
         before = step.q
         for _ in range(300):
             step = tracker.update(target)
-        if step.status != "UNREACHABLE" or miss_of(forward(step.q), target, free, reach) < NEXT_TO:
+        if step.status != "UNREACHABLE":
             continue
         missed += 1
         # Less than a milliradian in three seconds, where 0.8 rad were.

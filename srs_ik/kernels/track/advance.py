@@ -184,8 +184,8 @@ def most_used(C, v):
 
 @kernel
 def comes_closer(P, S, C, v, size, pose):
-    """Whether a tip close to its target comes closer, or may: while a joint moves, unless the target rests in reach."""
-    if busyness(P, S) >= RESTING or out_of_reach(P, C, pose):
+    """Whether a tip close to its target comes closer, or may: while a joint moves, unless the target rests."""
+    if busyness(P, S) >= RESTING:
         S[at.CLOSEST] = math.inf
         return most_used(C, v) > AT_REST
     closer = size < CLOSER * S[at.CLOSEST]
