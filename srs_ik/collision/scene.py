@@ -308,8 +308,8 @@ class Scene(Fixed):
             if told.shape_poses:
                 self._find(next(iter(shapes)))
                 if len(told.shape_poses) != len(shapes):
-                    given = f"poses of {len(told.shape_poses)} shapes"
-                    raise InvalidScene(f"{quoted(told.name)} has {len(shapes)}, and is moved with {given}")
+                    others = f"poses of {len(told.shape_poses)} shapes"
+                    raise InvalidScene(f"{quoted(told.name)} has {len(shapes)}, and is moved with {others}")
                 shapes = dict(zip(shapes, told.shape_poses, strict=True))
             for name, T_object_shape in shapes.items():
                 self.move(name, told.place @ T_object_shape)
