@@ -15,10 +15,10 @@ import numpy as np
 import pinocchio as pin
 
 import srs_ik
-from srs_ik.paper.experiments.files import plain
 from srs_ik.paper.experiments.ik_accuracy import reached_tasks
 from srs_ik.paper.experiments.measure import jacobians, points, solve
 from srs_ik.paper.experiments.setting import SEED, ball, directions, reach, task_directions, unit
+from srs_ik.system.arrays import plain
 
 ELBOWS = 36
 """Elbow positions around the circle that a posture is compared with."""

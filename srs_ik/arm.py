@@ -670,7 +670,9 @@ class Arm(BodyOwner):
         return kinematics.centres(self.packed, q)
 
     def arm_angle(self, q: ArrayLike) -> float:
-        """Arm angle of a configuration, in [-pi, pi), rad: right-handed about shoulder-wrist, zero at `limb.reference`.
+        """Arm angle, in [-pi, pi), rad, of a configuration (7,), rad.
+
+        It is right-handed about the line from shoulder to wrist, and zero at `limb.reference`.
 
         Raises:
             InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
@@ -678,7 +680,7 @@ class Arm(BodyOwner):
         return float(entries.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[0])
 
     def branch(self, q: ArrayLike) -> int:
-        """Branch of a configuration, 0 to 7.
+        """Branch, 0 to 7, of a configuration (7,), rad.
 
         Raises:
             InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.

@@ -18,7 +18,7 @@ from srs_ik.errors import InvalidConfiguration, InvalidRobot, SrsIkError, did_yo
 from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.messages import picked, positions_by_name
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.numbers import array_or_empty, real_number
 from srs_ik.inputs.poses import PoseError, PoseLike, as_rigid_matrix
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.locked import configuration_of
@@ -281,10 +281,7 @@ def _elsewhere(name: str, there: Array, at: Sequence[float]) -> str:
 
 def _finite(configuration: ArrayLike, model: Any) -> Array:
     """A configuration (model.nq,) as a new array of floats; raises InvalidConfiguration for anything else."""
-    try:
-        values = real_array(configuration)
-    except (TypeError, ValueError):
-        values = np.empty(0)
+    values = array_or_empty(configuration)
     if values.shape != (model.nq,) or not np.isfinite(values).all():
         raise InvalidConfiguration(f"a configuration of {model.name} is {model.nq} finite numbers")
     return values

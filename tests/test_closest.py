@@ -4,7 +4,7 @@ import arms
 import numpy as np
 import pinocchio as pin
 import pytest
-from scipy.optimize import minimize
+from scipy.optimize import least_squares, minimize
 
 import srs_ik
 from srs_ik import Status
@@ -185,3 +185,35 @@ def test_what_no_posture_reaches_is_unreachable_with_limits_too(name):
             tried += 1
             assert arm.solve(pose).status == Status.UNREACHABLE
     assert tried > 50
+
+
+def kept_upright(arm, pose, seed):
+    """The closest posture in the valley of a seed that keeps the orientation, by SciPy, and its distance, m."""
+    reach = arm.limb.upper_arm + arm.limb.forearm
+
+    def off(q):
+        there = arm.forward_kinematics(q).homogeneous
+        turn = pose[:3, :3].T @ there[:3, :3] - np.eye(3)
+        return np.r_[(there[:3, 3] - pose[:3, 3]) / reach, 100.0 * turn.ravel()]
+
+    q = least_squares(off, seed, xtol=1e-14, ftol=1e-14, gtol=1e-14).x
+    return q, float(np.linalg.norm(arm.forward_kinematics(q).translation - pose[:3, 3]))
+
+
+def test_an_elbow_is_not_turned_around_for_what_is_hardly_closer():
+    """A near arm that is stretched, and its target a little farther: from micrometres to a centimetre."""
+    arm, rng = arms.load("gen3"), arms.generator("stretched", 9)
+    compared = 0
+    for _ in range(20):
+        q = rng.uniform(np.maximum(arm.lower, -2.0), np.minimum(arm.upper, 2.0))
+        q[3] = 0.0
+        pose, centres = arm.forward_kinematics(q).homogeneous, arm.centres(q)
+        way = centres.wrist - centres.shoulder
+        pose[:3, 3] += way / np.linalg.norm(way) * 10.0 ** rng.uniform(-5.0, -2.0)
+        solution = arm.solve(pose, seed=q)
+        near, distance = kept_upright(arm, pose, q)
+        if solution.status == Status.UNREACHABLE and np.abs(near - q).max() < 0.8:
+            compared += 1
+            assert solution.position_error < distance + 6e-5
+            assert np.abs(solution.q - q).max() < 1.2 or solution.position_error < distance - 1e-5
+    assert compared > 5

@@ -100,6 +100,41 @@ SHORT_STRETCH = (
 )
 """A posture and a seed: joints 1 and 3 are in these turns on a short stretch of the curve alone."""
 
+TIPS = [
+    ("random_rounded", 79000001, 8,
+     (-0.5158817681537791, 1e-12, 2.0083794006973266, -7.597411402207652e-08, 5.517230401232952, 1e-12,
+      3.673029559072515),
+     (-0.9340817443140212, -0.3227659237077664, 2.392448388733022, -0.22949489949933163, 5.250098642574679,
+      -0.4766532267950527, 3.8801336776234776),
+     (-0.6954703113115528, -1.4175841080308052e-08, 2.342183565624579, -8.426673637220657e-08, 5.141200179990194,
+      -1.654932216848715e-09, 3.894844158545794)),
+    ("random_oblique", 77000001, 87,
+     (1.5816032231880284, -0.07779234729968154, 1.5589574648623605, 0.0, -3.8200632267850687, -3.0745468079253016,
+      -0.11511241705960984),
+     (1.6032800224261745, -0.06296586604705161, 1.560369890834407, 0.006261663085052757, -3.8354616714523053,
+      -3.086249987563821, -0.09401316208917133),
+     (1.5826221035519679, -0.07747253961399553, 1.5578871742586797, -2.411578133128487e-07, -3.8196198045170204,
+      -3.0747261687033207, -0.11465851801240169)),
+]  # fmt: skip
+"""Made arms, by kind, seed and place; postures with shoulder, elbow and wrist singular, seeds, and postures that are as
+near to these as steps along those of the pose lead."""
+
+FARTHER_INSIDE = (
+    (0, (2.8883971832896487, 1e-10, -3.1655901855809496, -2.4773068477198968e-08, 0.4426132107692151, 1e-10,
+         5.306572392300396),
+     (-0.8027790093453171, -2.890558187013737e-08, -0.35088483263244685, 3.035606724753772e-09, -0.835265285561845,
+      1.2250792586613576e-08, 1.1777364211383752)),
+    (3, (5.257255315654201, -1e-12, 0.11254253768103073, -5.0928311701087775e-08, 0.9552087131933957,
+         3.141592653590793, -4.293031013281334),
+     (3.2892467411905315, 9.128351263366757e-08, -0.13871229834378773, -3.459679028181974e-08, -2.0107949000431393,
+      3.141592712404617, -3.1951127298267763)),
+    (5, (2.941038226892365, -1e-07, 2.796266262421305, 1.0830701832509244e-08, -3.3151851940933734,
+         -1.2383498227818523, 0.1997720854074414),
+     (1.672251010038098, -2.530163037886311e-08, 2.1791577874006127, -2.996802621147668e-08, -1.4292894887392606,
+      -1.2383498975436251, 0.19977204410551025)),
+)  # fmt: skip
+"""Random limbs by their numbers, a posture that no curve is led to, and one of its pose farther from the limits."""
+
 STRIDE = 1e-3
 AS_WELL = 2e-13
 """A step beside an answer, rad, and the error (m, rad) with which it is no worse a posture."""
@@ -172,6 +207,26 @@ def test_postures_that_are_nearer_elsewhere_on_a_curve_are_found(judges, case):
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(nearer - seed) + 1e-9
 
 
+def farthest_out(arm, q):
+    """Of all joints with limits, the largest distance from the middle of the range, as a part of half the range."""
+    limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    middle, half = 0.5 * (arm.lower + arm.upper)[limited], 0.5 * (arm.upper - arm.lower)[limited]
+    return np.abs((np.asarray(q)[limited] - middle) / half).max()
+
+
+@pytest.mark.parametrize(("number", "q", "other"), FARTHER_INSIDE, ids=[str(case[0]) for case in FARTHER_INSIDE])
+def test_postures_that_no_curve_is_led_to_are_as_far_from_the_limits_as_others(judges, number, q, other):
+    """Such a posture was looked for at arm angles all around before, and not where joints are free to turn."""
+    arm, _ = next(islice(judges["subjects"]["arms_of"]("random_rounded", 1000, 19000001), number, None))
+    pose = arm.forward_kinematics(q)
+    assert max(arm.verify(pose, other)) < AS_WELL
+    assert inside(np.array(other), arm.lower, arm.upper)
+    solution = arm.solve(pose)
+    assert solution.status == "OK"
+    assert max(arm.verify(pose, solution.q)) < LEFT
+    assert farthest_out(arm, solution.q) < farthest_out(arm, other) + 1e-3
+
+
 def beside(arm, q, pose, seed, stride):
     """The posture a stride along the self-motion from one, towards a seed, by Pinocchio's Jacobian: it, and its error.
 
@@ -196,6 +251,18 @@ def test_needles_of_straight_elbows_are_gone_along_to_their_tips(name, case):
     other, error = beside(arm, solution.q, pose, seed, STRIDE)
     nearer = np.linalg.norm(other - seed) < np.linalg.norm(solution.q - seed) - 1e-6
     assert not (nearer and error < AS_WELL and inside(other, arm.lower, arm.upper))
+
+
+@pytest.mark.parametrize("case", TIPS, ids=["rounded", "oblique"])
+def test_steps_where_three_parts_are_singular_end_where_none_leads_nearer(judges, case):
+    kind, seed, place, q, start, nearer = case
+    arm = next(islice((arm for arm, _ in judges["subjects"]["arms_of"](kind, 1000, seed)), place, None))
+    pose = arm.forward_kinematics(q)
+    assert max(arm.verify(pose, nearer)) < AS_WELL
+    assert inside(np.array(nearer), arm.lower, arm.upper)
+    solution = arm.solve(pose, seed=start)
+    assert max(arm.verify(pose, solution.q)) < LEFT
+    assert np.linalg.norm(solution.q - start) < np.linalg.norm(np.subtract(nearer, start)) + 1e-6
 
 
 @pytest.mark.parametrize("name", RM75)

@@ -210,3 +210,50 @@ def test_a_target_at_rest_beside_the_limits_is_said_to_be_unreachable(name, seed
 def test_a_near_arm_tries_more_than_the_nearest_posture_of_its_exact_limb(name, q0, q1):
     """That one did not lead onto the target on the true chain, and the target counted as unreachable."""
     assert_true(name, tracker_of(name, q0), arms.forward(name)(q1), 8.0)
+
+
+def reach_of(arm):
+    """The largest distance of the wrist from the shoulder, m."""
+    bent = np.zeros((721, 7))
+    bent[:, 3] = np.linspace(-np.pi, np.pi, 721)
+    return max(np.linalg.norm(arm.centres(q)[2] - arm.centres(q)[0]) for q in bent)
+
+
+def miss_of(tip, wanted, free, reach):
+    """What a tip misses, m, turns by the reach."""
+    metres, turned = off(tip, wanted, free)
+    return np.hypot(metres, reach * turned)
+
+
+NEXT_TO = 0.06
+"""A tip that misses its target by more than this, m, does not follow a plan, which may go on at rest."""
+
+EVERY = {"none": None, "roll": ROLL, "narrow": FreeAxis([0, 0, 1], cone=0.1), "cone": FreeAxis([0, 1, 1], cone=0.5)}
+
+
+@pytest.mark.parametrize("free", [*EVERY.values(), ANY], ids=[*EVERY, "any"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm", "made_oblique", "made_bent"))
+def test_joints_come_to_rest_where_a_target_at_rest_is_out_of_reach_as_close_as_they_come(name, free):
+    """Out of reach and beyond limits: they went past the edge of a cone for ever, and about straight elbows."""
+    arm, forward, rng = arms.load(name), arms.forward(name), np.random.default_rng(1)
+    reach, missed = reach_of(arm), 0
+    for k in range(8):
+        q0, q1 = far_apart(name, rng)
+        target = forward(q1)
+        target.translation *= (0.7, 1.0, 1.1, 1.6)[k % 4]
+        tracker = tracker_of(name, q0, free)
+        for _ in range(4000):
+            step = tracker.update(target)
+        before = step.q
+        for _ in range(300):
+            step = tracker.update(target)
+        if step.status != "UNREACHABLE" or miss_of(forward(step.q), target, free, reach) < NEXT_TO:
+            continue
+        missed += 1
+        # Less than a milliradian in three seconds, where 0.8 rad were.
+        assert np.abs(step.q - before).max() < 1e-3
+        ways = np.clip(step.q + rng.normal(0.0, 0.02, (200, 7)), arm.lower, arm.upper)
+        nearest = min(miss_of(forward(way), target, free, reach) for way in ways)
+        # A radian that brings the tip closer by less than 0.1 mm is not worth it; these are of 0.1 rad at most.
+        assert nearest > miss_of(forward(step.q), target, free, reach) - 1e-5
+    assert missed

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask, MissingLimits, quoted
-from srs_ik.inputs.numbers import real_array, what_is
+from srs_ik.inputs.numbers import array_or_empty, real_array, what_is
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
@@ -315,10 +315,7 @@ def _jacobian(J: ArrayLike) -> Array:
 
 
 def _limit(limit: ArrayLike, kind: str) -> Array:
-    try:
-        array = real_array(limit)
-    except (TypeError, ValueError):
-        array = np.empty(0)
+    array = array_or_empty(limit)
     if array.shape != (7,) or not (array > 0.0).all():
         raise InvalidTask(f"limit must be 7 positive numbers, one for each joint, not {quoted(limit)}")
     if not np.isfinite(array).all():

@@ -19,7 +19,7 @@ from srs_ik.analysis.ellipsoids import RANK_TOLERANCE, UNITS, limits_of, rows_of
 from srs_ik.analysis.gravity import gravity_torque
 from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra, quoted
 from srs_ik.inputs.angles import as_joint_vector
-from srs_ik.inputs.numbers import as_flag, as_positive, real_array
+from srs_ik.inputs.numbers import array_or_empty, as_flag, as_positive
 from srs_ik.kinematics import ChainKinematics, check_arm
 from srs_ik.system.arrays import Array
 
@@ -211,10 +211,7 @@ def force_polytope(
 
 def _unit(direction: ArrayLike) -> Array:
     """A direction of length 1; raises InvalidTask where it is none."""
-    try:
-        u = real_array(direction)
-    except (TypeError, ValueError):
-        u = np.empty(0)
+    u = array_or_empty(direction)
     if u.shape != (3,) or not np.isfinite(u).all() or not u.any():
         raise InvalidTask("direction must be 3 finite numbers that are not all zero")
     u /= np.abs(u).max()
@@ -329,10 +326,7 @@ def _bounds(arm: ChainKinematics, kind: Literal["velocity", "effort"], lower: An
 
 
 def _seven(values: Any, what: str) -> Array:
-    try:
-        array = real_array(values)
-    except (TypeError, ValueError):
-        array = np.empty(0)
+    array = array_or_empty(values)
     if array.shape != (7,) or not np.isfinite(array).all():
         raise InvalidTask(f"{what} must be 7 finite numbers, one for each joint, not {quoted(values)}")
     return array

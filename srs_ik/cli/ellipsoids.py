@@ -93,7 +93,8 @@ def ellipsoids(
         velocity_ellipsoid(J, velocity_limit, part.value).in_axes(R),
         force_ellipsoid(J, effort_limit, part.value).in_axes(R),
     ]
-    answer: dict[str, Any] = {
+    bodies = _polytopes(arm, configuration, part.value, not no_gravity) if polytopes else []
+    answer = {
         "robot": arm.name,
         "base": arm.base,
         "tip": arm.tip,
@@ -104,7 +105,21 @@ def ellipsoids(
         "rank": shown[0].rank,
         "manipulability": manipulability(J, part.value),
         "isotropy": isotropy(J, part.value),
+        **_figures(shown, bodies, R, direction),
     }
+    if as_json:
+        from srs_ik.cli.render import print_json
+
+        print_json(answer)
+        return
+    _print(arm, answer, shown, bodies, R, direction)
+
+
+def _figures(
+    shown: list[Ellipsoid], bodies: list[Polytope], R: Any, direction: list[float] | None
+) -> dict[str, dict[str, Any]]:
+    """Ellipsoids and polytopes by their names, as JSON has them; `R` (3, 3) are the axes in which they are told."""
+    answer: dict[str, dict[str, Any]] = {}
     for ellipsoid in shown:
         answer[ellipsoid.kind] = {
             "unit": ellipsoid.unit,
@@ -113,7 +128,6 @@ def ellipsoids(
             "singular": ellipsoid.singular,
             "along": None if direction is None else ellipsoid.radius_along(direction),
         }
-    bodies = _polytopes(arm, configuration, part.value, not no_gravity) if polytopes else []
     for body in bodies:
         answer[f"{body.kind}_polytope"] = {
             "unit": body.unit,
@@ -123,12 +137,7 @@ def ellipsoids(
             "faces": body.faces,
             "singular": body.singular.T @ R,
         }
-    if as_json:
-        from srs_ik.cli.render import print_json
-
-        print_json(answer)
-        return
-    _print(arm, answer, shown, bodies, R, direction)
+    return answer
 
 
 def _polytopes(arm: Arm, q: list[float], part: Any, gravity: bool) -> list[Polytope]:

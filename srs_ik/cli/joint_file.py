@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli.options import Seven, WrongInput
-from srs_ik.cli.pose_file import figures, read_table
+from srs_ik.cli.pose_file import figures, places_of, read_table
 from srs_ik.cli.poses import JOINTS, warn_of_degrees
 
 if TYPE_CHECKING:
@@ -43,16 +43,7 @@ def read_joints(path: Path, joint_names: Sequence[str], unit: float) -> np.ndarr
     (line, header), *rows = read_table(path, joint_names)
     names = [name.strip() for name in header]
     wanted = tuple(joint_names) if any(name in names for name in joint_names) else tuple(f"q{k}" for k in range(1, 8))
-    missing = [name for name in wanted if name not in names]
-    if missing:
-        raise WrongInput(
-            f"{path}, line {line}: the header must name the joints {', '.join(joint_names)}, or q1 to q7; "
-            f"it lacks {', '.join(missing)}"
-        )
-    twice = next((name for name in wanted if names.count(name) > 1), None)
-    if twice is not None:
-        raise WrongInput(f"{path}, line {line}: there are two columns {twice!r}")
-    columns = {name: names.index(name) for name in wanted}
+    columns = places_of(f"{path}, line {line}", names, wanted, f"joints {', '.join(joint_names)}, or q1 to q7")
     if not rows:
         raise WrongInput(f"{path} has a header and no joint angles below it")
     given = np.array([list(figures(f"{path}, line {at}", row, columns)) for at, row in rows])

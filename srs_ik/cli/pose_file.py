@@ -173,17 +173,19 @@ def _columns(path: Path, line: int, header: Sequence[str]) -> tuple[dict[str, in
     if turned and by_angles:
         raise WrongInput(f"{path}, line {line}: give either {', '.join(RPY)} or {', '.join(QUATERNION)}")
     wanted = (*POSITION, *(QUATERNION if turned else RPY))
+    either = "" if turned or by_angles else f" (or {', '.join(QUATERNION)})"
+    return places_of(f"{path}, line {line}", names, wanted, f"columns {', '.join(wanted)}{either}"), turned
+
+
+def places_of(where: str, names: Sequence[str], wanted: Sequence[str], said: str) -> dict[str, int]:
+    """Where columns stand in a header, `where`; raises WrongInput, as it is `said` what that must name."""
     missing = [name for name in wanted if name not in names]
     if missing:
-        either = "" if turned or by_angles else f" (or {', '.join(QUATERNION)})"
-        raise WrongInput(
-            f"{path}, line {line}: the header must name the columns {', '.join(wanted)}{either}; "
-            f"it lacks {', '.join(missing)}"
-        )
+        raise WrongInput(f"{where}: the header must name the {said}; it lacks {', '.join(missing)}")
     twice = next((name for name in wanted if names.count(name) > 1), None)
     if twice is not None:
-        raise WrongInput(f"{path}, line {line}: there are two columns {twice!r}")
-    return {name: names.index(name) for name in wanted}, turned
+        raise WrongInput(f"{where}: there are two columns {twice!r}")
+    return {name: names.index(name) for name in wanted}
 
 
 def figures(where: str, row: Sequence[str], columns: dict[str, int]) -> Iterator[float]:

@@ -13,6 +13,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from srs_ik.system.arrays import plain
+
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solve.solution import Solution
@@ -64,21 +66,7 @@ def direction(vector: np.ndarray) -> str:
 
 def print_json(answer: object) -> None:
     """Print an answer as JSON: arrays as lists, and null for what is infinite or not a number."""
-    print(json.dumps(_plain(answer), indent=2, allow_nan=False), flush=True)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return _plain(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    print(json.dumps(plain(answer), indent=2, allow_nan=False), flush=True)
 
 
 def heading(arm: Arm) -> dict[str, Any]:

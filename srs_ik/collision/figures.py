@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidPose, InvalidScene, quoted, warn_caller
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.numbers import real_array, real_number, vector_of
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.system.arrays import Array
 
@@ -61,12 +61,7 @@ def as_pose(pose: PoseLike, name: str) -> Array:
 
 def as_vector(value: Any, count: int, what: str) -> Array:
     """(count,) numbers."""
-    try:
-        vector = real_array(value)
-    except (TypeError, ValueError):
-        raise InvalidScene(f"{what} must be {count} numbers, not {type(value).__name__}") from None
-    if vector.shape != (count,):
-        raise InvalidScene(f"{what} must be {count} numbers, not an array of shape {vector.shape}")
+    vector = vector_of(value, count, what, InvalidScene)
     if not (np.abs(vector) <= LARGEST).all():
         raise InvalidScene(f"{what} must be finite and no larger than {LARGEST:g} m, not {vector.tolist()}")
     return vector

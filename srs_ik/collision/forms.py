@@ -38,6 +38,14 @@ class Form:
         return Form(self.kind, self.size, T @ self.T, self.vertices, self.faces)
 
 
+def frame_along(unit: Array, origin: Array) -> Array:
+    """(4, 4) a frame whose z axis has a direction (3,), of length one."""
+    T = np.eye(4)
+    across = np.linalg.svd(unit[None])[2][1]
+    T[:3] = np.column_stack([across, np.cross(unit, across), unit, origin])
+    return T
+
+
 def least_along(form: Form, direction: Array) -> float:
     """The least that a form reaches along a unit vector, both in its own frame and not in that of its carrier, m."""
     if form.kind == "mesh":

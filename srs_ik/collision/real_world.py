@@ -85,14 +85,7 @@ class RealWorld:
             (index[p.first], index[p.second]) for p in arm.pairs if p.kept and not {p.first, p.second} & replaced
         ]
         self._ranges = ranges
-        for thing in scene:
-            for label, forms in thing.parts or ([(thing.name, thing.forms)] if thing.forms else []):
-                moved = [form.moved(thing.T) for form in forms]
-                self.joints.append(OBJECT)
-                self.names.append(label)
-                self.parts.append(parts_of(moved))
-                self._turn.append(None)
-                self.pairs += [(k, len(self.joints) - 1) for k, body in enumerate(bodies) if body.joint > 0]
+        self._add_objects(scene, [k for k, body in enumerate(bodies) if body.joint > 0])
         around = [_ball(points) for points in self._points]
         around += [_ball_around([part.ball for part in parts]) for parts in self.parts[len(around) :]]
         self._balls = np.array(around)
@@ -101,6 +94,16 @@ class RealWorld:
         reaches = list(zip(self.before, self.behind, self.radius, strict=True))
         self.solids = Solids(Carried(self.joints, self.parts, spins, reaches), zero, limb)
         self._couples: tuple[Any, Any] = None, None
+
+    def _add_objects(self, scene: Scene, moving: list[int]) -> None:
+        """Objects that have forms, each watched for those bodies of the arm that move."""
+        for thing in scene:
+            for label, forms in thing.parts or ([(thing.name, thing.forms)] if thing.forms else []):
+                self.pairs += [(k, len(self.joints)) for k in moving]
+                self.joints.append(OBJECT)
+                self.names.append(label)
+                self.parts.append(parts_of([form.moved(thing.T) for form in forms]))
+                self._turn.append(None)
 
     def ranged(self, margin: float) -> list[tuple[int, int]]:
         """Those pairs that ranges of joints watch which may come within a margin, m."""

@@ -22,7 +22,7 @@ from srs_ik.collision.figures import (
     warn_of_a_large_box,
     warn_of_millimetres,
 )
-from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
+from srs_ik.collision.forms import Form, ball_around, frame_along, planes, row_of_spheres
 from srs_ik.collision.thing import CELL, Thing, ball_of, cells_of
 from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.fixed import Fixed
@@ -126,7 +126,7 @@ class Scene(Fixed):
         return name in self._things
 
     def add_sphere(self, name: str, centre: ArrayLike, radius: float) -> None:
-        """Add a sphere.
+        """Add a sphere of a radius, m, about a centre (3,) in the base frame, m.
 
         Raises:
             InvalidScene: the name is taken, or the figures are not finite or not positive.
@@ -149,7 +149,7 @@ class Scene(Fixed):
         self._add_form(name, as_pose(pose, name), "box", edges)
 
     def add_cylinder(self, name: str, pose: PoseLike, radius: float, length: float) -> None:
-        """Add a cylinder about the z axis of a pose, m.
+        """Add a cylinder of a radius and a length, m, about the z axis of a pose, which is in its middle.
 
         Raises:
             InvalidScene: the name is taken, the pose is none, or a size is not positive and finite.
@@ -157,7 +157,7 @@ class Scene(Fixed):
         self._add_form(name, as_pose(pose, name), "cylinder", self._round(name, radius, length))
 
     def add_capsule(self, name: str, pose: PoseLike, radius: float, length: float) -> None:
-        """Add a capsule about the z axis of a pose: a cylinder of this length, and half a sphere at each end, m.
+        """Add a capsule: such a cylinder, and half a sphere of its radius at each end.
 
         Raises:
             InvalidScene: the name is taken, the pose is none, or a size is not positive and finite.
@@ -219,10 +219,7 @@ class Scene(Fixed):
         if length < 1e-9:
             raise InvalidScene(f"normal of {quoted(name)} must not be zero: it gives a direction")
         unit = direction / length
-        T = np.eye(4)
-        across = np.linalg.svd(unit[None])[2][1]
-        T[:3] = np.column_stack([across, np.cross(unit, across), unit, origin])
-        thing = Thing(as_name(name), np.eye(4), (Form("half_space", (), T),))
+        thing = Thing(as_name(name), np.eye(4), (Form("half_space", (), frame_along(unit, origin)),))
         thing.add(at.PLANES, np.array([[*unit, unit @ origin]]), np.array([*origin, np.inf]))
         self._put(thing)
 

@@ -185,7 +185,7 @@ class TorqueController:
         return found
 
     def set_posture(self, q: ArrayLike, restart: bool = True) -> None:
-        """Aim at where tip and elbow are at seven joint angles, for example those of a tracker or a path.
+        """Aim at where tip and elbow are at (7,) joint angles, rad, for example those of a tracker or a path.
 
         Raises:
             InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.

@@ -115,7 +115,9 @@ class ForceProfile:
         return self._values(error)[1]
 
     def converging_force(self, peak: float, error: ArrayLike, law: Law = "A") -> Array:
-        """Force towards the target at errors that shrink from a peak; negative where it brakes.
+        """Force, N or N m, towards the target at errors, m or rad, that shrink from a peak; negative where it brakes.
+
+        Errors may have any shape.
 
         Raises:
             InvalidController: peak or error are no finite numbers, or an unknown law.

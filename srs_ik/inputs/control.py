@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from srs_ik.errors import InvalidController, listed, quoted
-from srs_ik.inputs.numbers import as_flag, real_array, real_number
+from srs_ik.inputs.numbers import array_or_empty, as_flag, real_array, real_number
 from srs_ik.system.arrays import Array
 
 Thing = TypeVar("Thing")
@@ -92,16 +92,19 @@ def called(value: Any, what: str) -> Callable[..., Any]:
 
 def vector(value: Any, what: str, size: int = 3) -> Array:
     """Three finite numbers, or as many as are wanted."""
-    numbers = _array(value)
-    if numbers is None or numbers.shape != (size,) or not np.isfinite(numbers).all():
+    numbers = array_or_empty(value)
+    if numbers.shape != (size,) or not np.isfinite(numbers).all():
         raise InvalidController(f"the {what} has to be {size} finite numbers, not {quoted(value)}")
     return numbers
 
 
 def distances(value: Any, what: str) -> Array:
     """Finite numbers in any shape."""
-    numbers = _array(value)
-    if numbers is None or not np.isfinite(numbers).all():
+    try:
+        numbers = real_array(value)
+    except (TypeError, ValueError):
+        numbers = np.array(np.nan)
+    if not np.isfinite(numbers).all():
         raise InvalidController(f"{what} has to be a finite number, or an array of them, not {quoted(value)}")
     return numbers
 
@@ -109,7 +112,7 @@ def distances(value: Any, what: str) -> Array:
 def seven_positive(value: Any, what: str) -> Array:
     """(7,) positive figures from one or seven; infinite ones too."""
     values = _seven(value)
-    if values is None or not (values > 0.0).all():
+    if not (values > 0.0).all():
         raise InvalidController(f"{what} has to be one or seven positive figures, not {quoted(value)}")
     return values
 
@@ -117,30 +120,20 @@ def seven_positive(value: Any, what: str) -> Array:
 def seven_not_negative(value: Any, what: str) -> Array:
     """(7,) finite figures from 0 on, from one or seven."""
     values = _seven(value)
-    if values is None or not ((values >= 0.0) & np.isfinite(values)).all():
+    if not ((values >= 0.0) & np.isfinite(values)).all():
         raise InvalidController(f"{what} has to be one or seven figures, none negative, not {quoted(value)}")
     return values
 
 
 def torques(value: Any) -> Array:
     """(7,) finite torques."""
-    numbers = value if type(value) is np.ndarray and value.dtype == np.float64 else _array(value)
-    if numbers is None or numbers.shape != (7,) or not math.isfinite(sum(numbers.tolist())):
+    numbers = value if type(value) is np.ndarray and value.dtype == np.float64 else array_or_empty(value)
+    if numbers.shape != (7,) or not math.isfinite(sum(numbers.tolist())):
         raise InvalidController(f"a torque has to be 7 finite numbers, N m, not {quoted(value)}")
     return numbers
 
 
-def _array(value: Any) -> Array | None:
-    """An array of floats, or None for what is none."""
-    # NumPy makes NaN of None.
-    if value is None:
-        return None
-    try:
-        return real_array(value)
-    except (TypeError, ValueError):
-        return None
-
-
-def _seven(value: Any) -> Array | None:
-    values = _array(value)
-    return np.full(7, values) if values is not None and values.shape in ((), (1,), (7,)) else None
+def _seven(value: Any) -> Array:
+    """(7,) figures, of one or of seven; NaN for anything else."""
+    values = array_or_empty(value)
+    return np.full(7, values if values.shape in ((), (1,), (7,)) else np.nan)

@@ -8,7 +8,7 @@ import numpy as np
 
 from srs_ik.errors import InvalidConfiguration, quoted
 from srs_ik.inputs.angles import as_arm_angle
-from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.numbers import array_or_empty
 from srs_ik.system.arrays import Array
 
 FARTHEST_POINT = 1e6
@@ -23,10 +23,7 @@ def as_elbow(
     Raises:
         InvalidConfiguration: neither a number nor points, or not finite.
     """
-    try:
-        array = real_array(elbow)
-    except (TypeError, ValueError):
-        array = np.empty(0)
+    array = array_or_empty(elbow)
     if array.ndim == 0 and not np.isnan(array):
         return as_arm_angle(elbow), np.empty((0, 3))
     array = np.atleast_1d(array)

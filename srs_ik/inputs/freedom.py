@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask, quoted
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.numbers import array_or_empty, real_number
 from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, FREEDOM
 from srs_ik.system.arrays import Array
 
@@ -54,10 +54,7 @@ class FreeAxis:
     """
 
     def __init__(self, axis: ArrayLike = (0.0, 0.0, 1.0), cone: float = 0.0) -> None:
-        try:
-            direction = real_array(axis)
-        except (TypeError, ValueError):
-            direction = np.zeros(0)
+        direction = array_or_empty(axis)
         largest = float(np.abs(direction).max()) if direction.shape == (3,) else math.nan
         if not 0.0 < largest < math.inf:
             raise InvalidTask("free_axis must be a direction in the tip frame, 3 finite numbers that are not all zero")
@@ -107,7 +104,7 @@ class FreeAxis:
         return turns[np.linspace(0, len(turns) - 1, most).round().astype(int)]
 
     def rolled(self, angle: float) -> Array:
-        """(3, 3) turn about the axis, in the tip frame."""
+        """(3, 3) turn about the axis by an angle, rad, in the tip frame."""
         return _rotation(self.axis, angle)
 
     def lean(self, tip: Array, wanted: Array) -> float:

@@ -43,6 +43,25 @@ def real_array(values: Any) -> Array:
         raise ValueError(str(error)) from None
 
 
+def array_or_empty(values: Any) -> Array:
+    """The same, and an array (0,) for what is none: its shape is wrong wherever figures are expected."""
+    try:
+        return real_array(values)
+    except (TypeError, ValueError):
+        return np.empty(0)
+
+
+def vector_of(value: Any, size: int, what: str, error: type[SrsIkError]) -> Array:
+    """(size,) floats, finite or not; raises the error, which `what` begins, for anything else."""
+    try:
+        vector = real_array(value)
+    except (TypeError, ValueError):
+        raise error(f"{what} must be {size} numbers, not {type(value).__name__}") from None
+    if vector.shape != (size,):
+        raise error(f"{what} must be {size} numbers, not an array of shape {vector.shape}")
+    return vector
+
+
 def real_number(value: Any) -> float:
     """A number as a float; NaN for what is none."""
     if isinstance(value, float):
@@ -80,10 +99,7 @@ def per_joint(given: Any, what: str, most: float, endless: bool = False) -> Arra
     Raises:
         InvalidConfiguration: anything else; `what` names it.
     """
-    try:
-        values = real_array(given)
-    except (TypeError, ValueError):
-        values = np.empty(0)
+    values = array_or_empty(given)
     good = (values > 0.0) & ((values <= most) | (endless & np.isinf(values)))
     if values.shape not in ((), (7,)) or not good.all():
         none = " (inf: none)" if endless else ""
@@ -115,10 +131,7 @@ def as_gravity(gravity: ArrayLike) -> Array:
     Raises:
         InvalidConfiguration: not three finite numbers, or one beyond `LARGEST_GRAVITY`.
     """
-    try:
-        array = real_array(gravity)
-    except (TypeError, ValueError):
-        array = np.empty(0)
+    array = array_or_empty(gravity)
     if array.shape != (3,) or not np.abs(array).max() <= LARGEST_GRAVITY:
         usual = f"m/s^2, up to {LARGEST_GRAVITY:g}, such as [0, 0, -9.81]"
         raise InvalidConfiguration(f"gravity must be 3 numbers, {usual}, not {quoted(gravity)}")

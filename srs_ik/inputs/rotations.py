@@ -12,7 +12,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidPose, quoted
-from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.numbers import array_or_empty, real_array
 from srs_ik.system.arrays import Array
 
 Order = Literal["xyzw", "wxyz"]
@@ -87,10 +87,7 @@ def quaternion_of(R: Array, order: Order) -> Array:
 
 
 def _numbers(values: ArrayLike, count: int, what: str) -> Array:
-    try:
-        array = real_array(values)
-    except (TypeError, ValueError):
-        array = np.empty(0)
+    array = array_or_empty(values)
     if array.shape != (count,) or not np.isfinite(array).all():
         given = quoted(values)
         if all(hasattr(values, axis) for axis in "xyzw"):

@@ -179,7 +179,7 @@ class Map:
         return self._made[tasks]
 
     def part(self, name: str, task: int, record: int) -> NDArray:
-        """What a task, with its record, has found of a measure: zeros until it is done.
+        """What a task, with its record, has found of a measure, an array over its cells: zeros until it is done.
 
         Raises:
             InvalidMap: zeros are all that is left of lost files.
@@ -313,7 +313,7 @@ class Map:
         return found
 
     def mean(self, name: str) -> Array:
-        """A measure at every position: its mean over all orientations. For "yaw": the mean share of a turn.
+        """A measure as an array over all positions: its mean over orientations. For "yaw": the mean share of a turn.
 
         Smaller ratios are better ones, so "ratio" has its mean over what is reached alone; 0 where nothing is, and
         where the map is not made yet.

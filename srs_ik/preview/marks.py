@@ -91,6 +91,12 @@ def posture_solids(posture: Posture, size: float) -> list[Solid]:
     return [*found, *_triangle(points[:3])]
 
 
+def measures(part: str, shape: str) -> list[tuple[Rgb, str]]:
+    """The legend of ellipsoids or polytopes, by the name of the shape, of the linear or the angular part."""
+    velocity, force = ("velocity", "force") if part == "linear" else ("angular velocity", "moment")
+    return [(palette.VELOCITY, f"{shape} of {velocity}"), (palette.FORCE, f"{shape} of {force}")]
+
+
 def check_single(posture: Posture, task: Task | None) -> None:
     """Raise InvalidTask unless one posture, and one task or none, are to be shown."""
     for thing, points, kind in ((posture, "hand", "Posture"), (task, "position", "Task")):

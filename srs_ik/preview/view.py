@@ -313,12 +313,16 @@ class Preview(StillPage):
         size = 0.24 * self._size
         self._canvas.draw("velocity", marks.ellipsoid_solids(velocity, tip, size, palette.VELOCITY))
         self._canvas.draw("force", marks.ellipsoid_solids(force, tip, size, palette.FORCE))
-        self._settle("velocity", _measures(part, "ellipsoid"))
+        self._settle("velocity", marks.measures(part, "ellipsoid"))
 
     def show_polytopes(self, q: ArrayLike, part: Literal["linear", "angular"] = "linear") -> None:
         """Show the arm at a configuration with the polytopes of velocity (blue) and force (red) that its limits allow.
 
         Each is scaled to the size of the arm.
+
+        Args:
+            q: (7,) joint angles, rad.
+            part: the linear or the angular polytopes.
 
         Raises:
             InvalidConfiguration: not 7 finite angles.
@@ -339,7 +343,7 @@ class Preview(StillPage):
         self.show(q)
         for name, (polytope, colour) in found.items():
             self._canvas.draw(name, marks.polytope_solids(polytope, tip, 0.35 * self._size, colour))
-        self._settle("velocity polytope", _measures(part, "polytope"))
+        self._settle("velocity polytope", marks.measures(part, "polytope"))
 
     def clear(self) -> None:
         """Remove all but the robot."""
@@ -374,11 +378,6 @@ class Preview(StillPage):
     def _T_joint7_tip(self) -> Array:
         T_base_joint7 = self.arm.joint_frames(np.zeros(7))[7]
         return np.linalg.inv(T_base_joint7) @ self.arm.limb.T_base_tip_zero
-
-
-def _measures(part: str, shape: str) -> list[Entry]:
-    velocity, force = ("velocity", "force") if part == "linear" else ("angular velocity", "moment")
-    return [(palette.VELOCITY, f"{shape} of {velocity}"), (palette.FORCE, f"{shape} of {force}")]
 
 
 _EXTRAS = (

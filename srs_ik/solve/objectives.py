@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scales
 from srs_ik.errors import InvalidTask, did_you_mean, listed, quoted
 from srs_ik.inputs.angles import as_joint_vector, refuse_bad_angles
-from srs_ik.inputs.numbers import as_flag, real_array, real_number
+from srs_ik.inputs.numbers import as_flag, real_number, vector_of
 from srs_ik.kernels.layout import objectives as kinds
 from srs_ik.kernels.layout.limb import SMALLEST_RANGE
 from srs_ik.kinematics import check_arm
@@ -117,21 +117,7 @@ class Objective:
             self.unit = ""
             self._definition = None
             return
-        if not isinstance(objective, str):
-            raise InvalidTask(
-                f"an objective is a name, a function of 7 joint angles or an Objective, not {type(objective).__name__}"
-            )
-        if objective == CLEARANCE:
-            raise InvalidTask(
-                "objective 'clearance' needs a scene, and is given to optimise by its name: "
-                "scene=srs_ik.Scene() is the arm alone"
-            )
-        if objective not in _DEFINITIONS:
-            raise InvalidTask(
-                f"there is no objective {quoted(objective)}{did_you_mean(objective, OBJECTIVES)}; "
-                f"known are {listed(OBJECTIVES)}"
-            )
-        definition = _DEFINITIONS[objective]
+        definition = _defined(objective)
         if sense is not None and sense != definition.maximise:
             raise InvalidTask(f"objective {objective!r} is always {_sense(definition.maximise)}")
         self.name = objective
@@ -140,20 +126,7 @@ class Objective:
         self._definition = definition
         if definition.second >= 0:
             self.tolerance = _tolerance(parameters.pop("tolerance", DEFAULT_TOLERANCE))
-        for parameter in parameters:
-            if parameter not in definition.vectors:
-                takes = listed([*definition.vectors, *(["tolerance"] if definition.second >= 0 else [])])
-                raise InvalidTask(
-                    f"objective {objective!r} takes no parameter {parameter!r}; it takes {takes or 'none'}"
-                )
-        for parameter, size in definition.vectors.items():
-            if parameter not in parameters:
-                raise InvalidTask(f"objective {objective!r} needs {parameter}=, {size} numbers")
-            if parameter == "reference":
-                self.parameters[parameter] = as_joint_vector(parameters[parameter], parameter)
-                refuse_bad_angles(self.parameters[parameter], parameter)
-            else:
-                self.parameters[parameter] = _direction(parameters[parameter], size, parameter)
+        self.parameters = _vectors(objective, definition, parameters)
 
     @property
     def kind(self) -> int | None:
@@ -201,7 +174,7 @@ class Objective:
         return self.values(arm, q)[0]
 
     def values(self, arm: ChainKinematics, q: ArrayLike) -> tuple[float, ...]:
-        """The value, and for a lexicographic objective that of the second one too; see `value`."""
+        """The value at (7,) joint angles, rad, and that of the second objective of a lexicographic one; see `value`."""
         check_arm(arm)
         q = as_joint_vector(q)
         if self.kind in (None, kinds.LIMIT_MARGIN, kinds.REFERENCE, kinds.GRAVITY):
@@ -234,6 +207,42 @@ class Objective:
         return f"<Objective {self.name}, {_sense(self.maximise)}>"
 
 
+def _defined(name: Any) -> _Definition:
+    """The objective of a name; raises InvalidTask where there is none."""
+    if not isinstance(name, str):
+        raise InvalidTask(
+            f"an objective is a name, a function of 7 joint angles or an Objective, not {type(name).__name__}"
+        )
+    if name == CLEARANCE:
+        raise InvalidTask(
+            "objective 'clearance' needs a scene, and is given to optimise by its name: "
+            "scene=srs_ik.Scene() is the arm alone"
+        )
+    if name not in _DEFINITIONS:
+        raise InvalidTask(
+            f"there is no objective {quoted(name)}{did_you_mean(name, OBJECTIVES)}; known are {listed(OBJECTIVES)}"
+        )
+    return _DEFINITIONS[name]
+
+
+def _vectors(name: str, definition: _Definition, given: dict[str, Any]) -> dict[str, Array]:
+    """The parameters of an objective by their names; raises InvalidTask for one that is missing, unknown or wrong."""
+    for parameter in given:
+        if parameter not in definition.vectors:
+            takes = listed([*definition.vectors, *(["tolerance"] if definition.second >= 0 else [])])
+            raise InvalidTask(f"objective {name!r} takes no parameter {parameter!r}; it takes {takes or 'none'}")
+    found = {}
+    for parameter, size in definition.vectors.items():
+        if parameter not in given:
+            raise InvalidTask(f"objective {name!r} needs {parameter}=, {size} numbers")
+        if parameter == "reference":
+            found[parameter] = as_joint_vector(given[parameter], parameter)
+            refuse_bad_angles(found[parameter], parameter)
+        else:
+            found[parameter] = _direction(given[parameter], size, parameter)
+    return found
+
+
 def as_objective(objective: str | Callable[[Array], float] | Objective, parameters: dict[str, Any]) -> Objective:
     """An objective as `Arm.optimise` is given it, with parameters by their names.
 
@@ -262,12 +271,7 @@ def _tolerance(value: Any) -> float:
 
 def _direction(value: Any, size: int, what: str) -> Array:
     """A vector of any length, scaled to length 1."""
-    try:
-        vector = real_array(value)
-    except (TypeError, ValueError):
-        raise InvalidTask(f"{what} must be {size} numbers, not {type(value).__name__}") from None
-    if vector.shape != (size,):
-        raise InvalidTask(f"{what} must be {size} numbers, not an array of shape {vector.shape}")
+    vector = vector_of(value, size, what, InvalidTask)
     if not np.isfinite(vector).all():
         raise InvalidTask(f"{what} has entries that are not finite numbers")
     largest = np.abs(vector).max()

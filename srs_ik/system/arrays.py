@@ -1,4 +1,4 @@
-"""The type of what is computed with, and tuples of it."""
+"""The type of what is computed with, tuples of it, and how JSON has it."""
 
 from typing import Any, TypeVar
 
@@ -16,3 +16,18 @@ def equal_to_itself(own: OfArrays) -> OfArrays:
     for name in ("__eq__", "__ne__", "__hash__"):
         setattr(own, name, getattr(object, name))
     return own
+
+
+def plain(value: Any) -> Any:
+    """Figures as JSON has them: arrays as lists, and None for what is infinite or does not exist."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value

@@ -32,6 +32,9 @@ LOST = (1e-8, 1e-14)
 """Directions of the tip that other joints leave less of than this count as lost: first those in which floats hardly
 tell a step, then those in which they tell nothing."""
 
+FULL_STEPS = 8
+"""Steps without damping, each of which leaves less of an error that gentle steps have left."""
+
 QUICK = (24, 1e-5)
 THOROUGH = (100, 1e-10)
 """So many of these steps at most, each of which has to gain this part of the squared distance."""
@@ -146,6 +149,34 @@ def toward_seed(P, q, target, goal, lost, J):
 
 
 @kernel
+def close_fully(P, q, error, target, respect, J, A):
+    """Steps without damping from a posture that is closed, as long as each leaves less of the error: q, error.
+
+    Gentle steps leave what of an error is along directions that are as good as lost. From one step along the postures
+    to the next that adds up, to far more than the joints that it is worth, until none is closed any more.
+    """
+    blocked = 0
+    for _ in range(FULL_STEPS):
+        if error < newton.ROUNDING:
+            break
+        linear, angular = newton.pose_step(P, q, target.R, target.p, J)
+        newton.shortest_step(J, linear, angular, blocked, 0.0, A)
+        there = newton.moved(q, A, 1.0)
+        again = blocked
+        for j in range(7 if respect else 0):
+            if there[j] < P[LOWER + j] or there[j] > P[UPPER + j]:
+                again |= 1 << j
+        if again != blocked:
+            blocked = again
+            continue
+        left = max(*pose_error(P, there, target.R, target.p))
+        if left > newton.STALLED * error:
+            break
+        q, error = there, left
+    return q, error
+
+
+@kernel
 def descend(P, q, target, goal, least, work):
     """Steps from a posture to the one nearest to a seed around: q, cost.
 
@@ -170,6 +201,8 @@ def descend(P, q, target, goal, least, work):
             if goal.respect:
                 there = newton.clipped(P, there)
             there, error = newton.close_gently(P, there, target.R, target.p, goal.respect, J, A)
+            if error <= most:
+                there, error = close_fully(P, there, error, target, goal.respect, J, A)
             value = cost(P, there, True, goal.seed, goal.respect)
             if error <= most and value < (1.0 - gain) * lowest:
                 gained = lowest - value

@@ -48,7 +48,8 @@ ASK_FROM = 351  # the update from which on that may be asked again
 SPACING = 352  # 4, periods between the last targets, the newest first
 EVERY = 356  # mean of these when noise was measured last
 KEPT = 357  # 6, directions from shoulder to wrist, and across it to the elbow, where that is kept from
-STATE = 363
+WARY = 363  # factor of damping for a goal that comes no closer; 0.0 where it does
+STATE = 364
 
 WINDOWED = 32
 """Samples of which the noise of a target is the median."""

@@ -366,13 +366,6 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
         q, best, lowest = on_curves.best_found(found, wanted, seed)
         if lowest < OUTSIDE:
             return q, best, lowest
-    if wanted >= 0:
-        close_all(P, target, psi, -1, goal, is_almost_straight(P, place_), A)
-        other, _, value = on_border(P, A[FIRST:], wanted, goal)
-        if value < OUTSIDE and not seeded:
-            return other, wanted, value
-        if value < lowest:
-            q, best, lowest = other, wanted, value
     attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
     other, value = evaluate_again(P, target, psi, wanted, goal, attempts, A)
     if value < lowest:

@@ -30,9 +30,6 @@ from srs_ik.kernels.near.many_singular import nearest_among_splits
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
 
-LOOKS = 48
-"""Arm angles all around the circle."""
-
 ATTEMPTS = 9
 """Arm angles from which a given one is tried."""
 
@@ -166,41 +163,17 @@ def free_start(P, target, q, wanted, goal, J, A):
 
 
 @kernel
-def look_around(P, target, branch, goal, J, A):
-    """Postures from arm angles all around the circle, where curves cross and cannot be followed: q, branch, cost."""
-    R, p, place_ = target
-    best_q = goal.seed
-    best = 0
-    lowest = 2.0 * NO_BRANCH
-    for i in range(LOOKS):
-        psi = i * 2.0 * math.pi / LOOKS
-        for b in range(8):
-            q, _, _ = best_branch(P, place_, psi, b, goal.seeded, goal.seed, goal.respect)
-            q, _ = newton.close_at_angle(P, q, R, p, place_[0], place_[1], psi, newton.STEPS, A)
-            linear, angular = newton.pose_step(P, q, R, p, J)
-            error = max(norm(linear), norm(angular))
-            if newton.CLOSED < error < newton.LEFT:
-                q, error = newton.close_free(P, q, R, p, goal.respect, newton.STEPS, J, A)
-            here = branch_of(P, q)
-            if error > newton.LEFT or (branch >= 0 and here != branch):
-                continue
-            # At another arm angle perhaps, but a posture for the pose.
-            q, value = cost_of_turn(P, q, goal)
-            if value < lowest:
-                best_q, best, lowest = q, here, value
-    return best_q, best, lowest
+def found_again(P, target, branch, goal, J, A):
+    """A posture that curves from the closed form have passed by, by free steps from others around: q, branch, cost.
 
-
-@kernel
-def rescue(P, target, branch, goal, J, A):
-    """Last resort on a near limb, free steps from postures on the circle, then from bent ones: q, branch, cost.
-
-    Close to the edge of reach, the nearest exact limb may not reach a pose that the true one does, and a given arm
-    angle may have no solution where a neighbouring one has.
+    None is looked for where the closed form tells every branch. Close to the edge of reach, the nearest exact limb may
+    not reach a pose that the true one does.
     """
     best_q = goal.seed
     best = 0
     lowest = 2.0 * NO_BRANCH
+    if is_well_bent(P, target.place) and not is_oblique(P):
+        return best_q, best, lowest
     first = 0 if branch < 0 else branch
     last = 7 if branch < 0 else branch
     for attempt in range(2):
@@ -228,17 +201,6 @@ def rescue(P, target, branch, goal, J, A):
                 if lowest < OUTSIDE:
                     break
     return best_q, best, lowest
-
-
-@kernel
-def found_again(P, target, branch, goal, J, A):
-    """A posture that the curves from the closed form have passed by: q, branch, cost.
-
-    All around, the closed form tells every branch where it neither lacks reach nor has oblique axes.
-    """
-    found = look_around(P, target, branch, goal, J, A)
-    told = found[2] < OUTSIDE or (is_well_bent(P, target.place) and not is_oblique(P))
-    return found if told else rescue(P, target, branch, goal, J, A)
 
 
 @kernel

@@ -21,7 +21,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import answer as at
 from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FAMILY, FREE, IS_NEAR, LIMITED, SHOULDER, SIZE, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border, singular_sines
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line
 from srs_ik.kernels.limb.limits import tighten
@@ -90,15 +90,31 @@ def stretch_true(family, target, goal, J, A, out):
 
 
 @kernel
+def nearest_of_exact(family, target, goal, J, A):
+    """The posture of a closed limb nearest to a seed, over all branches and arm angles: q, branch, cost."""
+    P = row(family, LIMITED)
+    found, _ = search_near_seed(family, target, -1, goal, J, A)
+    hidden = hides_some(P, target.place)
+    if found[2] >= OUTSIDE:
+        found = search_exact(family, target, -1, goal)
+    elif hidden:
+        found = best_at_any_bend(family, target, -1, goal, found)
+    s2, _, s6 = singular_sines(P, found[0])
+    # There rounding leaves more than arm angles and bends tell apart.
+    if (hidden or min(s2, s6) < NEARLY_IN_LINE) and may_reach(P, target.place):
+        return going_on(P, target, goal, found, J, A)
+    return found
+
+
+@kernel
 def best_posture(family, target, branch, goal, J, A):
     """The best posture of all arm angles: q, branch, cost."""
     P = row(family, LIMITED)
+    if P[IS_NEAR] == 0.0 and goal.seeded and branch < 0:
+        return nearest_of_exact(family, target, goal, J, A)
     found, told = (goal.seed, 0, 4.0 * NO_BRANCH), False
-    if goal.seeded and (branch < 0 or P[IS_NEAR] != 0.0):
+    if P[IS_NEAR] != 0.0 and goal.seeded:
         found, told = search_near_seed(family, target, branch, goal, J, A)
-        if P[IS_NEAR] == 0.0 and found[2] < OUTSIDE and hides_some(P, target.place):
-            found = best_at_any_bend(family, target, -1, goal, found)
-            found = going_on(P, target, goal, found, J, A) if may_reach(P, target.place) else found
     in_branch = found[2] < OUTSIDE and (branch < 0 or is_on_border(P, found[0], branch))
     if told and in_branch:
         return found[0], found[1] if branch < 0 else branch, found[2]

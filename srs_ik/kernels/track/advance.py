@@ -8,7 +8,7 @@ pose themselves, with the elbow where their limits leave room for it.
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, store7
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, dot7, store7
 from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.algebra.vectors import load_pose
 from srs_ik.kernels.chain.newton import clipped
@@ -17,7 +17,7 @@ from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
-from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
+from srs_ik.kernels.track.closest import DAMPING, approach, dot6, error_at, minus
 from srs_ik.kernels.track.elsewhere import end_search, keep_detour, look_elsewhere, look_nearer
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, out_of_reach, wanted
@@ -55,6 +55,14 @@ AT_ONCE = 2
 """Other postures are looked for when the goal has been off the target for so many updates, and after so many more;
 within a search, there is a look every so many."""
 
+WORTH = 1e-4
+"""A step of a goal that is stuck is worth it if a radian brings it closer by this, m and, by the reach, rad: about a
+straight elbow, joints may turn and turn for next to nothing."""
+
+WARIER, BOLDER, WARIEST = 4.0, 0.7, 1e7
+"""After a step that is not worth it the next is damped by so much more, up to so much in all, and less again after one
+that is: where the way is curved, as along the edge of a cone, steps that are too long go past it for ever."""
+
 SETTLING = 0.01
 """Seconds over which the velocity of the goal is averaged."""
 
@@ -87,6 +95,18 @@ def reaches_of_goal(P, C, g, side):
 
 
 @kernel
+def if_worth_it(P, S, C, pose, goal, d, J):
+    """The step of a goal that is stuck, or none where it is not worth it, and how far it is from the pose then."""
+    before, stays = error_at(P, C, goal, pose, P[FAR], J)
+    after, moves = error_at(P, C, along7(goal, 1.0, d), pose, P[FAR], J)
+    if math.sqrt(dot6(before, before)) - math.sqrt(dot6(after, after)) < WORTH * math.sqrt(dot7(d, d)):
+        S[at.WARY] = min(WARIER * S[at.WARY], WARIEST)
+        return NO_SEED, stays
+    S[at.WARY] = max(BOLDER * S[at.WARY], 1.0)
+    return d, moves
+
+
+@kernel
 def move_goal(P, S, C, pose, work):
     """Take the goal a period on towards the target, by the detour if it is on one: how far it is from it then."""
     q, goal = read7(row(S, at.Q)), read7(row(S, at.GOAL))
@@ -99,12 +119,15 @@ def move_goal(P, S, C, pose, work):
             S[at.DETOUR] = 0.0
         _, size = error_at(P, C, goal, pose, P[FAR], work[0])
     else:
-        rule = P[FAR], 0.5 * P[FAR] * S[at.MISS], DAMPING
+        stuck = S[at.WARY] > 0.0 and S[at.STUCK] >= STUCK_FOR and busyness(P, S) < RESTING
+        rule = P[FAR], 0.5 * P[FAR] * S[at.MISS] * (S[at.WARY] if stuck else 1.0), DAMPING
         liked = between(scaled(min(C[at.PERIOD] / COMING, 1.0), minus(q, goal)), low, high)
         d, size = approach(P, C, pose, goal, (NO_SEED, liked, rule, low, high), 2, work)
         if S[at.MISS] < CLOSE < size:
             # Nearer to the joints, the pose may not be met.
             d, size = approach(P, C, pose, goal, (NO_SEED, NO_SEED, rule, low, high), 2, work)
+        if stuck:
+            d, size = if_worth_it(P, S, C, pose, goal, d, work[0])
         goal = clipped(P, along7(goal, 1.0, d))
     share = C[at.PERIOD] / (C[at.PERIOD] + SETTLING)
     for j in range(7):
@@ -176,6 +199,7 @@ def watch(P, S, C, q, size, pose, work):
     """Keep account of how long the goal has been off the target, or gone from the joints, and look elsewhere then."""
     closer, jumped = size < CLOSER * S[at.MISS], size > S[at.MISS] + JUMP
     S[at.MISS] = size
+    S[at.WARY] = 0.0 if closer or jumped or size < CLOSE else max(S[at.WARY], 1.0)
     if size < CLOSE:
         S[at.STUCK] = 0.0
         end_search(S, at.UNKNOWN)

@@ -9,10 +9,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from srs_ik.kernels.native import at_work
 from srs_ik.paper.experiments.setting import SEED, Outcome
+from srs_ik.system.arrays import plain
 from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
@@ -63,18 +62,3 @@ def report(name: str, arm: Arm, outcome: Outcome) -> dict[str, Any]:
         },
         "figures": outcome.figures,
     }
-
-
-def plain(value: Any) -> Any:
-    """Figures as JSON has them: arrays as lists, and None for what is infinite or does not exist."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value

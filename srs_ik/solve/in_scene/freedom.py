@@ -50,44 +50,27 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
     if not alone or around.is_clear(alone.q):
         return alone
     turns = free.sampled(TURNS if free.cone == 0.0 else TURNS_OF_CONE)
-    cost = goal_of(around.packed, near).cost
-
-    def alone_at(turn: Array) -> tuple[Solution | None, float]:
-        """The best posture at a turn without the scene, and what it costs: with the scene none costs less."""
-        answer = pose.solve(around.packed, _turned(T, turn), seed=near, respect_limits=respect)
-        return (answer, cost(answer.q)) if answer else (None, NO_POSTURE)
-
-    def at(turn: Array, known: Solution | None) -> Solution | None:
-        """The best posture at a turn: the one without the scene, where that hits nothing."""
-        if known is None or around.hit_at(known.q) is None:
-            return known
-        turned = _turned(T, turn)
-        answer = in_scene.best_free(around, turned, None, near, -1, respect, around.is_exact)
-        if answer is None and not around.is_exact:
-            # Spheres leave nothing: what do the real shapes?
-            answer = in_scene.best_free(around, turned, None, near, -1, respect, True)
-        return answer
-
+    poses = _Turns(around, T, near, respect)
     best, found, where = None, NO_POSTURE, 0
-    at_turns = [alone_at(turn) for turn in turns]
+    at_turns = [poses.alone_at(turn) for turn in turns]
     floors = np.array([floor for _, floor in at_turns])
     hits = np.array([answer is None or around.hit_at(answer.q) is not None for answer, _ in at_turns])
     # Those that hit nothing by spheres come first: to know what is free at the other turns takes much longer.
     for k in np.lexsort((floors, hits)).tolist():
         if floors[k] >= found:
             continue
-        answer = at(turns[k], at_turns[k][0])
-        if answer is not None and cost(answer.q) < found:
-            best, found, where = answer, cost(answer.q), k
+        answer = poses.at(turns[k], at_turns[k][0])
+        if answer is not None and poses.cost(answer.q) < found:
+            best, found, where = answer, poses.cost(answer.q), k
     if best is None:
         return _measured(around, T, free, _least_deep(around, T, alone, free, near, respect))
 
     def price(roll: float) -> float:
         nonlocal best, found
         turn = turns[where] @ free.rolled(roll)
-        known, floor = alone_at(turn)
-        answer = at(turn, known) if floor < found else None
-        value = max(floor, found) if answer is None else cost(answer.q)
+        known, floor = poses.alone_at(turn)
+        answer = poses.at(turn, known) if floor < found else None
+        value = max(floor, found) if answer is None else poses.cost(answer.q)
         if answer is not None and value < found:
             best, found = answer, value
         return value
@@ -95,6 +78,33 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
     step = 2.0 * np.pi / TURNS
     minimize_scalar(price, bounds=(-step, step), method="bounded", options={"xatol": FINE})
     return _measured(around, T, free, best)
+
+
+class _Turns:
+    """A pose at turns that are free: the best posture at each, with the scene and without.
+
+    Attributes:
+        cost: what is less for the better posture (7,).
+    """
+
+    def __init__(self, around: Surroundings, T: Array, near: Array | None, respect: bool) -> None:
+        self._around, self._T, self._near, self._respect = around, T, near, respect
+        self.cost = goal_of(around.packed, near).cost
+
+    def alone_at(self, turn: Array) -> tuple[Solution | None, float]:
+        """The best posture at a turn (3, 3) without the scene, and what it costs: with the scene none costs less."""
+        answer = pose.solve(self._around.packed, _turned(self._T, turn), seed=self._near, respect_limits=self._respect)
+        return (answer, self.cost(answer.q)) if answer else (None, NO_POSTURE)
+
+    def at(self, turn: Array, known: Solution | None) -> Solution | None:
+        """The best posture at a turn: the one without the scene, where that hits nothing."""
+        around = self._around
+        if known is None or around.hit_at(known.q) is None:
+            return known
+        asked = around, _turned(self._T, turn), None, self._near, -1, self._respect
+        answer = in_scene.best_free(*asked, around.is_exact)
+        # Where spheres leave nothing: what do the real shapes?
+        return in_scene.best_free(*asked, True) if answer is None and not around.is_exact else answer
 
 
 def _turned(T: Array, turn: Array) -> Array:

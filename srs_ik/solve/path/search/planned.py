@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,16 @@ from srs_ik.solve.path.search.blocks import Block, find_way, gone_back, held_in,
 from srs_ik.solve.path.search.bridges import bridged
 from srs_ik.solve.path.search.finer import fine_everywhere, finer, is_whole
 from srs_ik.solve.path.search.missed import is_odd, smoothed_leaps, turned_at_flat
-from srs_ik.solve.path.search.narrow import costs_to_end, dear, find_narrow, held_about, held_below, held_between, worse
+from srs_ik.solve.path.search.narrow import (
+    Rest,
+    costs_to_end,
+    dear,
+    find_narrow,
+    held_about,
+    held_below,
+    held_between,
+    worse,
+)
 from srs_ik.solve.path.search.polish import FINE, ROUGHLY, WIDTHS, improve
 
 SHORT = 32
@@ -160,19 +170,56 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
     if best.cost < CLOSE * least and not missed:
         improve(problem, best, FINE)
         return best, None
+    best, last, torn = in_rounds(problem, plan, Plan(told, keys, blocks, least), best, missed)
+    improve(problem, best, FINE)
+    narrow = is_in_slivers(best) and not stands_in
+    if narrow and (torn or (missed and best.cost >= CLOSE * last.least)):
+        rest = last.costs_to_end(LET_IN * best.cost)
+        others = ~np.isin(np.arange(len(problem.T)), last.keys)
+        other, _ = find_narrow(problem, last.keys, last.blocks, rest, others)
+        improve(problem, other, FINE)
+        best = min(best, other, key=lambda each: each.cost)
+    if best.cost < (CLOSE if narrow else AS_PLANNED) * last.least:
+        return search_around(problem, best) if torn else best, None
+    if stands_in:
+        return best, problem
+    rest = last.costs_to_end(best.cost)
+    return best, replace(held_between(last.problem, last.keys, last.blocks, rest), settings=problem.settings)
+
+
+class Plan(NamedTuple):
+    """What a path was planned by at some poses, and what it costs by that."""
+
+    problem: Problem  # in which poses between these may be passed
+    keys: NDArray[np.int64]  # these poses
+    blocks: list[Block]  # their strips
+    least: float  # cost of the best way through them
+
+    def costs_to_end(self, most: float) -> Rest:
+        """What a path costs from each posture on, of those through which one leads that costs at most so much."""
+        return costs_to_end(self.problem, self.blocks, most)
+
+
+def in_rounds(problem: Problem, plan: Problem, last: Plan, best: Way, missed: bool) -> tuple[Way, Plan, bool]:
+    """The best path by a plan that is made finer from round to round, what it was planned by last, whether that broke.
+
+    `plan` is the problem on an exact limb; `best` is the path by the plan so far, `missed` whether it costs far less
+    than that says.
+    """
+    stands_in = plan is not problem
     again, torn, fine = best, False, False
     in_slivers = missed and is_in_slivers(best) and not stands_in
     for _ in range(ROUNDS):
-        marks = dear(problem, again, keys, LEFT * least) & (not in_slivers)
-        marks[keys] = False
-        if fine and (best.cost < AS_PLANNED * least or not marks.any()):
+        marks = dear(problem, again, last.keys, LEFT * last.least) & (not in_slivers)
+        marks[last.keys] = False
+        if fine and (best.cost < AS_PLANNED * last.least or not marks.any()):
             break
-        rest = costs_to_end(told, blocks, max(best.cost, CLOSE * least))
-        more = np.union1d(keys, np.flatnonzero(marks))
-        if fine or (marks.any() and best.cost > FAR_ABOVE * least and again is best):
-            way, found = through(far(held_between(told, keys, blocks, rest), more), more, False)
+        rest = last.costs_to_end(max(best.cost, CLOSE * last.least))
+        more = np.union1d(last.keys, np.flatnonzero(marks))
+        if fine or (marks.any() and best.cost > FAR_ABOVE * last.least and again is best):
+            way, found = through(far(held_between(last.problem, last.keys, last.blocks, rest), more), more, False)
         else:
-            way, found = find_narrow(told, keys, blocks, rest, marks)
+            way, found = find_narrow(last.problem, last.keys, last.blocks, rest, marks)
             fine = True
         torn = not is_whole(way, more)
         if torn:
@@ -181,21 +228,9 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
         again = filled(problem, way, more, stands_in) or copy(again)
         if fine:
             # Beside postures of finer strips, chords of coarse ones cost too much: they tell of a better path alone.
-            told, keys, blocks, least = far(plan, more), more, found, value
+            last = Plan(far(plan, more), more, found, value)
         best = min(best, again, key=lambda each: each.cost)
-    improve(problem, best, FINE)
-    narrow = is_in_slivers(best) and not stands_in
-    if narrow and (torn or (missed and best.cost >= CLOSE * least)):
-        rest = costs_to_end(told, blocks, LET_IN * best.cost)
-        other, _ = find_narrow(problem, keys, blocks, rest, ~np.isin(np.arange(len(problem.T)), keys))
-        improve(problem, other, FINE)
-        best = min(best, other, key=lambda each: each.cost)
-    if best.cost < (CLOSE if narrow else AS_PLANNED) * least:
-        return search_around(problem, best) if torn else best, None
-    if stands_in:
-        return best, problem
-    rest = costs_to_end(told, blocks, best.cost)
-    return best, replace(held_between(told, keys, blocks, rest), settings=problem.settings)
+    return best, last, torn
 
 
 def is_in_slivers(way: Way) -> bool:
