@@ -176,7 +176,9 @@ class ChainKinematics(Fixed):
         positions = positions_by_name(state)
         q = as_joint_vector(picked(positions, self.joint_names), "the joint state")
         for name in self._between.keys() & positions.keys():
-            said = _elsewhere(name, np.array([real_number(positions[name])]), self._between[name])
+            at, there = self._between[name], real_number(positions[name])
+            # Pinocchio has the cosine and the sine of a joint that turns without end.
+            said = _elsewhere(name, np.array([np.cos(there), np.sin(there)] if len(at) == 2 else [there]), at)
             if said:
                 warnings.warn(said, UserWarning, stacklevel=2)
         return q
@@ -267,9 +269,12 @@ def _elsewhere(name: str, there: Array, at: Sequence[float]) -> str:
     """What is wrong where a joint between base and tip is elsewhere than the arm has it; empty where nothing is."""
     if np.abs(there - at).max(initial=0.0) <= _ELSEWHERE:
         return ""
-    where = f"at {there[0]:g}, not at {at[0]:g}" if len(at) == 1 else "elsewhere"
+    where = "is not where"
+    if len(at) <= 2:
+        said, meant = (x[0] if len(at) == 1 else math.atan2(x[1], x[0]) for x in (there, at))
+        where = f"is at {said:g}, not at {meant:g} where"
     return (
-        f"joint {name!r}, between base and tip, is {where} where the arm has it; load takes its position as "
+        f"joint {name!r}, between base and tip, {where} the arm has it; load takes its position as "
         "locked={joint: position}"
     )
 

@@ -7,6 +7,7 @@ import arms
 import numpy as np
 import pytest
 from command_line import answer, run
+from rich.console import Console
 from robot_files import at_hand, joint_xml, robot_file, serial_arm
 
 import srs_ik
@@ -21,6 +22,18 @@ def test_robots_lists_every_name_that_load_knows():
     assert [robot["name"] for robot in listed] == srs_ik.robots()
     text = run("robots").stdout
     assert all(robot["name"] in text and robot["tip"] in text for robot in listed)
+
+
+@pytest.mark.parametrize("columns", [60, 80, 100, 140])
+def test_robots_breaks_no_name_where_the_terminal_is_narrow(columns, monkeypatch):
+    def narrow(**options):
+        return Console(width=columns, markup=False, emoji=False, highlight=False)
+
+    monkeypatch.setattr("srs_ik.cli.render.console", narrow)
+    words = run("robots").stdout.split()
+    for robot in json.loads(run("robots", "--json").stdout):
+        assert {robot["name"], robot["base"], robot["tip"]} <= set(words)
+    assert ("description" in words) == (columns >= 100)
 
 
 def test_robots_gives_the_command_for_what_is_not_installed(monkeypatch):

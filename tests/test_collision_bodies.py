@@ -254,3 +254,11 @@ def is_covered(spheres, corners, triangles, slack=0.0):
     distance = np.linalg.norm(corners[:, None, :] - spheres[None, :, :3], axis=2)
     reach = np.maximum.reduce([distance[triangles[:, k]] for k in range(3)])
     return np.asarray((reach <= spheres[:, 3] + slack).any(axis=1))
+
+
+def test_spheres_without_a_size_are_none():
+    arm = srs_ik.load("iiwa14").with_bodies(spheres={"iiwa_link_4": [[0.0, 0.0, 0.1, -0.06]]})
+    with pytest.raises(
+        srs_ik.NoBodies, match="no link that moves has one of the spheres that are given, of radii above 0"
+    ):
+        arm.bodies  # noqa: B018

@@ -165,3 +165,20 @@ def test_a_joint_that_is_elsewhere_is_told_of():
     state = {**dict.fromkeys(arm.joint_names, 0.1), "waist": 0.4}
     with pytest.warns(UserWarning, match="'waist'"):
         assert np.allclose(arm.joint_vector(state), 0.1)
+
+
+def test_a_waist_without_end_is_where_it_is_a_turn_on():
+    links = "".join(f'<link name="{name}"/>' for name in ("root", "chest"))
+    robot = srs_ik.load("iiwa14").drawing.file.read_text()
+    waist = (
+        '<joint name="waist" type="continuous"><parent link="root"/><child link="chest"/><axis xyz="0 0 1"/></joint>'
+    )
+    mount = '<joint name="mount" type="fixed"><parent link="chest"/><child link="iiwa_link_0"/></joint>'
+    text = robot.replace("</robot>", f"{links}{waist}{mount}</robot>")
+    arm = srs_ik.load(text, base="root", tip="iiwa_link_ee", locked={"waist": 1.2})
+    state = {**dict.fromkeys(arm.joint_names, 0.1), "waist": 1.2 - 2.0 * np.pi}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.allclose(arm.joint_vector(state), 0.1)
+    with pytest.warns(UserWarning, match=r"'waist', between base and tip, is at 0\.5, not at 1\.2 where the arm"):
+        arm.joint_vector({**state, "waist": 0.5})

@@ -691,3 +691,17 @@ def test_a_model_without_finite_masses_is_refused_in_one_line():
     model.inertias[4] = pin.Inertia(1.0, np.array([0.0, np.nan, 0.0]), np.eye(3))
     with pytest.raises(InvalidRobot, match=r"^what joint 'iiwa_joint_4' of 'iiwa14' carries has no finite mass"):
         load(model)
+
+
+def test_one_of_seven_joints_locked_says_how_to_hold_it():
+    with pytest.raises(NotAnSrsLimb, match=r"but 6 moving joints: iiwa_joint_1, .*Arm\.with_limits") as error:
+        load("iiwa14", locked={"iiwa_joint_3": 0.0})
+    assert str(error.value).count("iiwa_joint_3") == 2
+
+
+@pytest.mark.parametrize("content", [b"#usda 1.0\n(\n)\n", b"PXR-USDC\x00\x08\x00\x80\xff"])
+def test_usd_is_refused_by_its_name(content, tmp_path):
+    file = tmp_path / "robot.usd"
+    file.write_bytes(content)
+    with pytest.raises(InvalidRobot, match="USD, which is not read: URDF, xacro and MJCF are"):
+        load(file)

@@ -151,7 +151,14 @@ def test_where_nothing_reaches_the_panels_are_empty():
     far[0, 3] = 5.0
     top, middle, _ = srs_ik.plots.plot_arm_angle(arm, far).axes
     assert all(np.isnan(line.get_ydata()).all() for line in (*top.lines, *middle.lines))
-    assert len(srs_ik.plots.plot_intervals(arm, far).axes) == 1
+    (intervals,) = srs_ik.plots.plot_intervals(arm, far).axes
+    (yaws,) = srs_ik.plots.plot_yaw_arcs(arm, far).axes
+    for axes in (top, intervals, yaws):
+        assert axes.get_title().startswith("iiwa14: UNREACHABLE")
+    # Postures reach this one, but none inside the limits.
+    beyond = arm.forward_kinematics([0.0, 0.0, 0.0, arm.lower[3] - 0.1, 0.0, 0.0, 0.0])
+    assert srs_ik.plots.plot_intervals(arm, beyond).axes[0].get_title().startswith("iiwa14: OUT_OF_LIMITS")
+    assert "meets the pose" in srs_ik.plots.plot_intervals(arm, beyond, respect_limits=False).axes[0].get_title()
 
 
 def test_wrong_input_is_named():
@@ -241,3 +248,21 @@ def test_wrong_words_are_one_line_and_exit_status_2(words, named):
     assert result.stdout == ""
     assert result.stderr.count("\n") == 1
     assert named in result.stderr
+
+
+def test_a_pose_that_a_path_does_not_meet_is_no_point_of_the_path():
+    arm = arms.load("iiwa14")
+    pose, far = arm.forward_kinematics(ANGLES).homogeneous, np.eye(4)
+    far[0, 3] = 5.0
+    path = arm.solve_path([pose, far, pose], seed=ANGLES)
+    figure = srs_ik.plots.plot_path(arm, [pose, far, pose], path)
+    for axes in figure.axes:
+        lines = [line for line in axes.lines if line.get_color() == FORCE]
+        assert not any(np.isfinite(y) and x == 1 for line in lines for x, y in zip(*line.get_data(), strict=True))
+        assert any(list(line.get_xdata()) == [1, 1] and line.get_color() != FORCE for line in axes.lines)
+        assert all(float(tick).is_integer() for tick in axes.get_xticks())
+
+
+def test_angular_ellipsoids_are_called_what_their_units_say():
+    panels = srs_ik.plots.plot_ellipsoids(arms.load("iiwa14"), ANGLES, part="angular").axes
+    assert [axes.get_title().split(" ellipsoid")[0] for axes in panels] == ["angular velocity", "moment"]

@@ -631,3 +631,37 @@ def test_a_planning_scene_that_is_told_again_and_again():
             told(scene, Message(id="cup", operation=operation, pose=at(1, 1, 1)))
     told(scene, cup, Message(id="", operation=1))
     assert scene.names == ()
+
+
+def test_an_object_of_one_shape_is_where_its_shape_is_and_moves_as_in_moveit():
+    """Where the pose of its one shape is all that an object says, that is its pose; a move may place the shapes."""
+
+    def at(x, y, z, w=1.0):
+        return Message(position=Message(x=x, y=y, z=z), orientation=Message(x=0.0, y=0.0, z=0.0, w=w))
+
+    box, unset = Message(type=1, dimensions=[0.1, 0.1, 0.1]), at(0.0, 0.0, 0.0, 0.0)
+    for nothing in (unset, at(0.0, 0.0, 0.0)):
+        scene = srs_ik.Scene()
+        scene.add_message(Message(id="a", pose=nothing, primitives=[box], primitive_poses=[at(0.5, 0.0, 0.3)]))
+        assert next(iter(scene)).T[:3, 3].tolist() == [0.5, 0.0, 0.3]
+        scene.add_message(Message(id="a", operation=3, pose=at(0.2, 0.2, 0.2)))
+        assert next(iter(scene)).T[:3, 3].tolist() == [0.2, 0.2, 0.2]
+    scene.add_message(Message(id="a", operation=3, pose=unset, primitive_poses=[at(0.6, 0.1, 0.3)]))
+    assert next(iter(scene)).T[:3, 3].tolist() == [0.6, 0.1, 0.3]
+    two = [at(0.6, 0.1, 0.3), at(0.0, 0.0, 0.0)]
+    with pytest.raises(InvalidScene, match="'a' has 1, and is moved with poses of 2 shapes"):
+        scene.add_message(Message(id="a", operation=3, primitive_poses=two))
+
+
+def test_a_whole_planning_scene_takes_the_place_of_what_messages_told_before():
+    ball = Message(type=2, dimensions=[0.1])
+    scene = srs_ik.Scene()
+    scene.add_sphere("lamp", [0.0, 0.0, 2.0], 0.1)
+    for is_diff, name, names in (
+        (False, "a", ("lamp", "a")),
+        (True, "b", ("lamp", "a", "b")),
+        (False, "c", ("lamp", "c")),
+    ):
+        world = Message(collision_objects=[Message(id=name, primitives=[ball])])
+        scene.add_message(Message(is_diff=is_diff, world=world))
+        assert scene.names == names

@@ -33,13 +33,20 @@ def console(*, fit: bool = False) -> Console:
     return Console(width=width, markup=False, emoji=False, highlight=False)
 
 
-def table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str | None = None, left: int = 1) -> Table:
-    """A plain table; the first `left` columns are text and stand on the left, the rest are numbers."""
+def table(
+    columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str | None = None, left: int = 1, whole: int = 0
+) -> Table:
+    """A plain table; the first `left` columns are text and stand on the left, the rest are numbers.
+
+    Neither numbers nor the first `whole` columns are broken into lines.
+    """
     result = Table(
         box=box.SIMPLE_HEAD, title=title, title_justify="left", title_style="", pad_edge=False, show_edge=False
     )
     for i, column in enumerate(columns):
-        result.add_column(column, justify="left" if i < left else "right", no_wrap=i >= left, overflow="fold")
+        result.add_column(
+            column, justify="left" if i < left else "right", no_wrap=i >= left or i < whole, overflow="fold"
+        )
     for row in rows:
         result.add_row(*row)
     return result

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from srs_ik.robot.sources import NamedRobot
 
 
+_LEGIBLE = 26
+"""The narrowest column that sentences are wrapped in."""
+
+
 def robots(as_json: AsJson = False) -> None:
     """List the robots that are known by name, and what has to be installed for those that are missing here."""
     from srs_ik.cli.render import console, print_json, table
@@ -37,7 +41,12 @@ def robots(as_json: AsJson = False) -> None:
         return
     rows = [(entry.name, entry.base, entry.tip, _here(entry), entry.description, entry.origin) for entry in entries]
     columns = ("robot", "base", "tip", "here", "description", "from")
-    console(fit=True).print(table(columns, rows, left=len(columns)))
+    out = console(fit=True)
+    # Names are there to be copied, and stand whole: where the terminal is narrow, columns on the right give way.
+    widths = [*(max(len(row[k]) for row in (*rows, columns)) + 3 for k in range(4)), _LEGIBLE, _LEGIBLE]
+    shown = next((k for k in range(len(columns), 3, -1) if sum(widths[:k]) <= out.width), 3)
+    out.width = max(out.width, sum(widths[:shown]))
+    out.print(table(columns[:shown], [row[:shown] for row in rows], left=shown, whole=4))
     missing: dict[str, list[str]] = {}
     for entry in entries:
         if entry.install:

@@ -116,7 +116,7 @@ def _all_given(robot: str, frames: Mapping[str, Any], spheres: Mapping[str, Arra
             )
         found.append(_given(name, frames[name], rows))
     if not any(body.joint for body in found):
-        raise NoBodies(f"{robot}: no link that moves has one of the spheres that are given")
+        raise NoBodies(f"{robot}: no link that moves has one of the spheres that are given, of radii above 0")
     return found
 
 

@@ -272,8 +272,10 @@ class Scene(Fixed):
             message: a CollisionObject of moveit_msgs (id, pose, primitives, meshes), or what has a list of them as
                 `collision_objects`, perhaps in a `world`. Frames in headers are not looked at: poses have to be in the
                 base frame. As in MoveIt, one that is added takes the place of one with its name, a shape without a pose
-                is where its object is, and a quaternion of four zeros is no turn; one is moved or removed by its name,
-                and all are removed by none. Of several shapes, the first is called ``name/0``.
+                is where its object is, an object of one shape without a pose of its own is where that is, and a
+                quaternion of four zeros is no turn; one is moved, and its shapes in it, or removed by its name, and all
+                are removed by none. A whole PlanningScene (`is_diff` is false) first removes what messages have added.
+                Of several shapes, the first is called ``name/0``.
 
         Raises:
             InvalidScene: it is none of these, it has an octomap, attached objects or padded links, an object has planes
@@ -283,7 +285,12 @@ class Scene(Fixed):
 
         before = dict(self._things), dict(self._told)
         try:
-            for told in list(of_message(message)):
+            every = list(of_message(message))
+            if getattr(message, "is_diff", True) is False:
+                for name in [name for shapes in self._told.values() for name in shapes if name in self._things]:
+                    self.remove(name)
+                self._told.clear()
+            for told in every:
                 self._do(told)
         except InvalidScene:
             self._things, self._told = before
@@ -295,6 +302,12 @@ class Scene(Fixed):
 
         shapes = self._told.pop(told.name, {told.name: np.eye(4)})
         if told.operation == MOVE:
+            if told.shape_poses:
+                self._find(next(iter(shapes)))
+                if len(told.shape_poses) != len(shapes):
+                    others = f"poses of {len(told.shape_poses)} shapes"
+                    raise InvalidScene(f"{quoted(told.name)} has {len(shapes)}, and is moved with {others}")
+                shapes = dict(zip(shapes, told.shape_poses, strict=True))
             for name, T_object_shape in shapes.items():
                 self.move(name, told.place @ T_object_shape)
             self._told[told.name] = shapes

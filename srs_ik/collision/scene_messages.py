@@ -27,7 +27,8 @@ class Told(NamedTuple):
     operation: int
     name: str
     place: Array  # (4, 4) of the object
-    parts: list[Given]  # its shapes
+    parts: list[Given]  # the shapes of one that is added
+    shape_poses: list[Array]  # (4, 4) in the object, those that one that is moved gives its shapes
 
 
 def of_message(message: Any) -> Iterator[Told]:
@@ -48,8 +49,16 @@ def of_message(message: Any) -> Iterator[Told]:
     operation = operation[0] if isinstance(operation, bytes) and len(operation) == 1 else operation
     if operation not in (ADD, REMOVE, MOVE):
         raise InvalidScene(f"the message of {quoted(name)} neither adds, moves nor removes it: nothing else is read")
-    outer = _of(getattr(message, "pose", None), name)
-    yield Told(operation, name, outer, _parts(message, name, outer) if operation == ADD else [])
+    place = _of(getattr(message, "pose", None), name)
+    poses = [_of(pose, name) for which in ("primitive_poses", "mesh_poses") for pose in getattr(message, which, ())]
+    if operation != ADD:
+        yield Told(operation, name, place, [], poses)
+        return
+    parts = _parts(message, name, place)
+    if len(parts) == len(poses) == 1 and np.array_equal(place, np.eye(4)):
+        # As in MoveIt, an object of one shape that says only where that is, is itself there.
+        place = poses[0]
+    yield Told(operation, name, place, parts, [])
 
 
 def _parts(message: Any, name: str, outer: Array) -> list[Given]:

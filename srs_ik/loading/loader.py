@@ -279,7 +279,8 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
     joints = _way(skeleton, base, tip)
     names = [skeleton.joint_names[joint] for joint in joints]
     where = f"between base {base!r} and tip {tip!r}" if base is not None else f"on the way to the tip {tip!r}"
-    found = f"{len(names)} moving joint{'s' if len(names) != 1 else ''}" if names else "no moving joint"
+    moving = [name for name in names if name not in description.locked]
+    found = f"{len(moving) or 'no'} moving joint{'s' if len(moving) > 1 else ''}"
     message = f"{where} there are no 7 consecutive revolute joints, but {found}"
     others = [
         f"{name} {mimic.get(name) or skeleton.what_is(joint)}"
@@ -287,7 +288,10 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
         if name in mimic or not skeleton.is_revolute(joint)
     ]
     if names:
-        message += f": {listed(names)}" + (f" ({', '.join(others)})" if others else "")
+        message += (f": {listed(moving)}" if moving else "") + (f" ({', '.join(others)})" if others else "")
+    own = [name for name in names if name in description.locked]
+    if own and any(all(skeleton.is_revolute(k) for k in joints[i : i + 7]) for i in range(len(joints) - 6)):
+        message += f"; to hold {own[0]!r} of seven joints, load all seven and give it limits: Arm.with_limits"
     if base is not None and len(skeleton.joints_between(tip, base)) >= 7:
         message += "; base and tip are perhaps swapped"
     return NotAnSrsLimb(f"{source}: {message}", names)

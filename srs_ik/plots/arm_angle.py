@@ -11,7 +11,7 @@ from srs_ik.inputs.angles import as_branch
 from srs_ik.inputs.poses import as_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import EMPTY, FORCE, JOINT, VELOCITY, new_figure
-from srs_ik.plots.intervals import bars, whole_circle
+from srs_ik.plots.intervals import bars, none_meets, whole_circle
 from srs_ik.solve.objectives import Objective
 from srs_ik.system.arrays import Array
 
@@ -74,7 +74,8 @@ def plot_arm_angle(arm: Arm, pose: PoseLike, branch: int | None = None) -> Figur
     middle.plot(degrees, volumes, color="black", linewidth=1.4)
     bottom.plot(degrees, margins, color="black", linewidth=1.4)
     bottom.axhline(0.0, color=JOINT, linewidth=0.8)
-    feasible = bars(i for i in arm.intervals(T) if i.branch == chosen)[chosen]
+    intervals = arm.intervals(T)
+    feasible = bars(i for i in intervals if i.branch == chosen)[chosen]
     for axes in (top, middle, bottom):
         axes.set_facecolor(EMPTY)
         for start, width in feasible:
@@ -89,7 +90,10 @@ def plot_arm_angle(arm: Arm, pose: PoseLike, branch: int | None = None) -> Figur
     middle.set_ylabel("manipulability (m³)")
     bottom.set_ylabel("limit margin (1)")
     bottom.set_xlabel("arm angle (deg)")
-    top.set_title(f"{arm.name}, branch {chosen}: feasible where the ground is white")
+    if intervals:
+        top.set_title(f"{arm.name}, branch {chosen}: feasible where the ground is white")
+    else:
+        top.set_title(none_meets(arm, T), fontsize="small")
     figure.align_ylabels()
     figure.legend(*top.get_legend_handles_labels(), loc="outside right upper", frameon=False)
     return figure

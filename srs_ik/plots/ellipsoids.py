@@ -20,6 +20,14 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
 
+_NAMES = {
+    ("velocity", "linear"): "velocity",
+    ("force", "linear"): "force",
+    ("velocity", "angular"): "angular velocity",
+    ("force", "angular"): "moment",
+}
+"""What the ellipsoid of a kind and part is of."""
+
 DRAWN = 0.35
 """The largest bounded semi-axis is drawn this long, relative to the length from shoulder to wrist, stretched."""
 
@@ -67,7 +75,7 @@ def plot_ellipsoids(
     for axes in panels:
         _frame(axes, np.vstack(points), shape)
     joints = "joints up to their limits" if limits else "1 rad/s and 1 N m in the joints"
-    what = "velocity and force" if part == "linear" else "angular velocity and moment"
+    what = " and ".join(_NAMES[kind.kind, part] for kind, _ in shown)
     figure.suptitle(f"{arm.name}: {what} at the tip, for {joints}", fontsize="medium")
     return figure
 
@@ -89,7 +97,7 @@ def _draw(axes: Any, shape: Skeleton, what: Ellipsoid, colour: str) -> Array:
         points.append(line)
     note = ", flat" if what.flat else ", unbounded along the dashed line" if what.unbounded else ""
     figures = f"semi-axes {_listed(what.radii)} {what.unit}; drawn 0.1 m for {0.1 / scale:.3g} {what.unit}"
-    axes.set_title(f"{what.kind} ellipsoid{note}\n{figures}", fontsize="small")
+    axes.set_title(f"{_NAMES[what.kind, what.part]} ellipsoid{note}\n{figures}", fontsize="small")
     return np.concatenate(points)
 
 

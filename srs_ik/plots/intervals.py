@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from srs_ik.kinematics import check_arm
@@ -36,9 +37,19 @@ def plot_intervals(arm: Arm, pose: PoseLike, respect_limits: bool = True) -> Fig
     """
     check_arm(arm)
     figure = new_figure(8.0, 3.6)
-    draw_intervals(figure.add_subplot(), arm.intervals(pose, respect_limits))
-    figure.axes[0].set_title(f"{arm.name}: arm angles at which {arm.tip} meets the pose")
+    found = arm.intervals(pose, respect_limits)
+    draw_intervals(figure.add_subplot(), found)
+    title = (
+        f"{arm.name}: arm angles at which {arm.tip} meets the pose" if found else none_meets(arm, pose, respect_limits)
+    )
+    figure.axes[0].set_title(title, fontsize=None if found else "small")
     return figure
+
+
+def none_meets(arm: Arm, pose: PoseLike, respect_limits: bool = True, width: int = 90) -> str:
+    """The title over a pose that no posture meets: which arm, and why."""
+    answer = arm.solve(pose, respect_limits=respect_limits)
+    return fill(f"{arm.name}: {answer.status}, {answer.message}", width)
 
 
 def bars(found: Iterable[Interval]) -> list[list[tuple[float, float]]]:

@@ -14,6 +14,7 @@ from srs_ik.maps.live import yaw_arcs
 from srs_ik.maps.plan import FREE, RATIO, YAW
 from srs_ik.maps.reader import Map, check_map
 from srs_ik.plots.figure import EMPTY, FORCE, VELOCITY, new_figure
+from srs_ik.plots.intervals import none_meets
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -133,5 +134,8 @@ def plot_yaw_arcs(arm: Arm, pose: PoseLike) -> Figure:
     axes.plot([0.0, 0.0], [0.0, 1.15], color=FORCE, linewidth=1.2)
     axes.set_ylim(0.0, 1.2)
     axes.set_yticks([])
-    axes.set_title(f"{arm.name}: yaws of the pose (red: as it is)")
+    if len(arcs):
+        axes.set_title(f"{arm.name}: yaws of the pose (red: as it is)")
+    else:
+        axes.set_title(none_meets(arm, T, width=60), fontsize="x-small")
     return figure

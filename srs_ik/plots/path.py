@@ -10,7 +10,7 @@ import numpy as np
 from srs_ik.errors import InvalidConfiguration, InvalidPose, quoted
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.kinematics import check_arm
-from srs_ik.plots.figure import EMPTY, FORCE, VELOCITY, new_figure
+from srs_ik.plots.figure import EMPTY, FORCE, JOINT, VELOCITY, new_figure
 from srs_ik.plots.intervals import BRANCHES
 from srs_ik.solve.path.solution import PathSolution
 
@@ -54,15 +54,21 @@ def plot_path(arm: Arm, poses: Any, path: PathSolution) -> Figure:
         axes.set_facecolor(EMPTY)
         _draw_strips(axes, drawn, width, found, branch)
         _draw_line(axes, path, branch)
+        for sample in np.flatnonzero(~path.ok):
+            axes.axvline(sample, color=JOINT, linewidth=max(0.8, 2.0 - 0.02 * len(T)), linestyle="-", zorder=0.5)
         for pause in path.breaks:
             axes.axvline(pause.sample - 0.5, color="black", linewidth=0.8, linestyle=":")
         axes.set_title(f"branch {branch}", fontsize=8)
         axes.set_xlim(-0.5, len(T) - 0.5)
         axes.set_ylim(-180.0, 180.0)
         axes.set_yticks(range(-180, 181, 90))
+    grid[0, 0].xaxis.set_major_locator(_whole())
     figure.supxlabel("pose")
     figure.supylabel("arm angle (deg)")
     count = f"{len(path.breaks)} {'break' if len(path.breaks) == 1 else 'breaks'}"
+    missed = int((~path.ok).sum())
+    if missed:
+        count += f"; {missed} {'pose' if missed == 1 else 'poses'} not met: grey lines"
     figure.suptitle(f"{arm.name}: feasible arm angles along the path, and the path through them ({count})")
     return figure
 
@@ -80,11 +86,17 @@ def _draw_strips(axes: Any, drawn: Any, width: float, found: Any, branch: int) -
 
 
 def _draw_line(axes: Any, path: PathSolution, branch: int) -> None:
-    """The path where it is in a branch, broken where the arm angle passes half a turn."""
-    psi = np.where(path.branch == branch, np.degrees(path.arm_angle), math.nan)
+    """The path where it is in a branch at its poses, broken where the arm angle passes half a turn."""
+    psi = np.where((path.branch == branch) & path.ok, np.degrees(path.arm_angle), math.nan)
     gaps = np.flatnonzero(np.abs(np.diff(psi)) > 180.0) + 1
     axes.plot(np.insert(np.arange(len(psi), dtype=float), gaps, math.nan), np.insert(psi, gaps, math.nan), color=FORCE)
     alone = np.isfinite(psi)
     alone[1:] &= ~np.isfinite(psi[:-1])
     alone[:-1] &= ~np.isfinite(psi[1:])
     axes.plot(np.flatnonzero(alone), psi[alone], ".", color=FORCE, markersize=3)
+
+
+def _whole() -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(integer=True)

@@ -110,10 +110,12 @@ def _decoded(text: str | bytes, source: str) -> str:
     Blank lines there are an error by the letter, and common in strings of programs.
 
     Raises:
-        InvalidRobot: it is too large, or not in the encoding that it declares.
+        InvalidRobot: it is too large, not in the encoding that it declares, or no XML but USD.
     """
     if len(text) > bounds.XML_BYTES:
         raise InvalidRobot(f"{source} is larger than {bounds.XML_BYTES // 2**20} MiB, too large for a robot", source)
+    if text[:8] in (b"PXR-USDC", "PXR-USDC") or text[:5] in (b"#usda", "#usda"):
+        raise InvalidRobot(f"{source} is USD, which is not read: URDF, xacro and MJCF are", source)
     if isinstance(text, bytes):
         encoding = _encoding(text)
         try:

@@ -104,7 +104,7 @@ def _draw(rest: dict[str, Array], rates: tuple[float, ...], delays: tuple[float,
                 ha="center",
                 va="center",
                 fontsize=6,
-                color="white" if value < 0.05 else "black",
+                color="white" if value < 1e-3 else "black",
                 weight="bold" if inside else "normal",
             )
         axes.set_xticks(range(len(rates)), [f"{hertz:g}" for hertz in rates], fontsize=7)
