@@ -77,6 +77,19 @@ def test_a_saved_scene_looks_the_same_without_server_and_network(browser, arm, t
     page.close()
 
 
+def test_all_of_a_stretched_arm_is_seen_in_a_narrow_window(browser):
+    """As on a phone: what has the colours of an arm ends before the sides of the picture."""
+    with Preview(srs_ik.load("human_arm")) as view:
+        view.show([0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0])
+        page = opened(browser, view.url)
+        page.set_viewport_size({"width": 390, "height": 700})
+        coloured = np.ptp(settled(page), axis=2) > 60
+        assert coloured.mean() > 0.01
+        assert not coloured[:, :4].any()
+        assert not coloured[:, -4:].any()
+    page.close()
+
+
 def test_a_saved_self_motion_moves(browser, arm, tmp_path):
     with Preview(arm) as view:
         assert view.show_self_motion(arm.forward_kinematics(Q))

@@ -69,12 +69,22 @@ def _page(title: str, policy: str, meshcat: str, start: str) -> str:
 _STYLE = """
 body { margin: 0; font: 13px/1.45 system-ui, sans-serif; color: #222; }
 #scene { width: 100vw; height: 100vh; overflow: hidden; }
-#caption { position: fixed; left: 12px; top: 10px; max-width: 60vw; overflow-wrap: anywhere; pointer-events: none; }
+#caption { position: fixed; left: 12px; top: 10px; max-width: 60vw; overflow-wrap: anywhere; pointer-events: none;
+  text-shadow: 0 0 3px #fff, 0 0 3px #fff, 0 0 6px #fff; }
+@media (max-width: 640px) { #caption { top: 28px; max-width: 94vw; } }
 #legend span { display: inline-block; width: 0.8em; height: 0.8em; margin-right: 0.5em; border-radius: 50%; }
 """
 
 _SHOW = """
 const viewer = new MeshCat.Viewer(document.getElementById("scene"));
+// What is seen fits the height of a window; where that is more than its width, it is to fit the width.
+function fit() {
+  viewer.camera.zoom = Math.min(1, innerWidth / innerHeight);
+  viewer.camera.updateProjectionMatrix();
+  viewer.set_dirty();
+}
+addEventListener("resize", fit);
+fit();
 function line(text, colour) {
   const line = document.createElement("div");
   if (colour) line.appendChild(document.createElement("span")).style.background = colour;

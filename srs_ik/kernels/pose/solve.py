@@ -152,11 +152,13 @@ def solve_row(family, T, branch, goal, J, A, out):
     if verdict != at.GOOD_POSE:
         return verdict
     q, best, lowest = best_posture(family, target, branch, goal, J, A)
-    if goal.seeded and goal.respect and OUTSIDE <= lowest < UNMET:
-        q, best, lowest = nearest_of_equals(family, target, branch, goal, (q, best, lowest), J, A)
-    elif may_have_equals(P, target, branch, lowest, goal):
-        q, best, lowest = closest_of_equals(P, target, (q, best, lowest), goal, True, J)
     measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
+    if lowest < UNMET and out[at.ROW_STATUS] == at.OUT_OF_LIMITS:
+        if goal.seeded:
+            q, best, lowest = nearest_of_equals(family, target, branch, goal, (q, best, lowest), J, A)
+        elif may_have_equals(P, target, branch, lowest, goal):
+            q, best, lowest = closest_of_equals(P, target, (q, best, lowest), goal, True, J)
+        measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
     if P[IS_NEAR] != 0.0 and branch < 0 and lowest >= UNMET and out[at.ROW_STATUS] == at.OUT_OF_LIMITS:
         # Its nearest exact limb reaches the pose; it does not, limits or not.
         out[at.ROW_STATUS] = at.UNREACHABLE
@@ -218,9 +220,10 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
         F = row(family, LIMITED if goal.respect else FREE)
         if is_closer(P, clipped(F, q), clipped(F, found[0]), target, J):
             found = (q, own_branch, found[2])
-    if may_have_equals(P, target, branch, found[2], goal):
-        found = closest_of_equals(P, target, found, goal, False, J)
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
+    if out[at.ROW_STATUS] == at.OUT_OF_LIMITS and may_have_equals(P, target, branch, found[2], goal):
+        found = closest_of_equals(P, target, found, goal, False, J)
+        measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
     return at.GOOD_POSE
 
 
