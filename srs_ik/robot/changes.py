@@ -12,7 +12,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
-from srs_ik.inputs.numbers import real_array, real_number, what_is
+from srs_ik.inputs.numbers import real_number, vector_of
 from srs_ik.robot.chain import Chain, unlimited_if_huge
 from srs_ik.robot.limb import Vector
 from srs_ik.system import bounds
@@ -113,19 +113,8 @@ def by_joint(joint_names: Sequence[str], given: Mapping[str, ArrayLike | None]) 
     Raises:
         InvalidRobot: not seven numbers.
     """
-    limits: dict[str, dict[str, float]] = {name: {} for name in joint_names}
-    for key, values in given.items():
-        if values is None:
-            continue
-        try:
-            figures = real_array(values)
-        except (TypeError, ValueError):
-            raise InvalidRobot(f"{key} must be 7 numbers, not {what_is(values)}") from None
-        if figures.shape != (7,):
-            raise InvalidRobot(f"{key} must be 7 numbers, not {what_is(values)}")
-        for name, figure in zip(joint_names, figures.tolist(), strict=True):
-            limits[name][key] = figure
-    return limits
+    figures = {key: vector_of(values, 7, key, InvalidRobot) for key, values in given.items() if values is not None}
+    return {name: {key: float(figures[key][k]) for key in figures} for k, name in enumerate(joint_names)}
 
 
 def _warn_of_degrees(joint: str, changes: Mapping[str, float]) -> None:
