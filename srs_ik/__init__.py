@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     )
     from srs_ik.analysis.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.arm import Arm
-    from srs_ik.collision.bodies import Body
-    from srs_ik.collision.pairs import Pair
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.links.bodies import Body
+    from srs_ik.collision.links.pairs import Pair
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.errors import (
         AmbiguousLimb,
         FrameNotFound,

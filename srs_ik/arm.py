@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.collision.figures import refuse_margin
 from srs_ik.collision.owner import BodyOwner, BodyPlan
+from srs_ik.collision.scenes.figures import refuse_margin
 from srs_ik.errors import InvalidConfiguration, NotAnSrsLimb
 from srs_ik.inputs.angles import as_bounded_joint_vector
 from srs_ik.inputs.elbow import refuse_beside
@@ -31,7 +31,7 @@ from srs_ik.solve.solutions import BatchSolution, Solutions
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.inputs.freedom import FreeAxis
     from srs_ik.inputs.task import Task
     from srs_ik.robot.description.model import Drawing

@@ -11,7 +11,7 @@ import os
 import numpy as np
 
 import srs_ik
-from srs_ik.collision import store
+from srs_ik.collision.links import store
 from srs_ik.system.writing import write_whole
 
 ARMS = ("iiwa14", "gen3", "human_arm")

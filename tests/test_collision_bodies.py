@@ -8,9 +8,9 @@ import pytest
 import trimesh
 
 import srs_ik
-from srs_ik.collision.bodies import revolved
-from srs_ik.collision.cover import cover
 from srs_ik.collision.forms import Form, planes, surface
+from srs_ik.collision.links.bodies import revolved
+from srs_ik.collision.links.cover import cover
 from srs_ik.errors import InvalidScene, NoBodies
 
 
@@ -182,8 +182,8 @@ def test_a_base_and_a_tool_leave_what_was_found_of_the_links(monkeypatch):
     def refuse(*args):
         raise AssertionError("looked for again")
 
-    monkeypatch.setattr("srs_ik.collision.bodies.cover", refuse)
-    monkeypatch.setattr("srs_ik.collision.ranges.Bounds.over", refuse)
+    monkeypatch.setattr("srs_ik.collision.links.bodies.cover", refuse)
+    monkeypatch.setattr("srs_ik.collision.links.ranges.Bounds.over", refuse)
     rng = np.random.default_rng(3)
     for _ in range(5):
         T_base, T_tool = (srs_ik.pose_from_xyz_rpy(rng.normal(size=3), rng.uniform(-3, 3, 3)) for _ in range(2))

@@ -8,14 +8,14 @@ import pytest
 from built_in_bodies import ARMS
 
 import srs_ik
-from srs_ik.collision import store
+from srs_ik.collision.links import store
 from srs_ik.system import waiting
 
 ASKED = """
 import sys
 import numpy as np
 import srs_ik
-from srs_ik.collision import store
+from srs_ik.collision.links import store
 
 found = []
 store.keep = lambda key, rows: found.append(key)

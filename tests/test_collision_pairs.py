@@ -8,7 +8,7 @@ from collision_oracle import file_of, with_a_thick_neck
 from robot_files import at_hand
 
 import srs_ik
-from srs_ik.collision.ranges import Bounds
+from srs_ik.collision.links.ranges import Bounds
 from srs_ik.errors import InvalidRobot, InvalidScene
 
 

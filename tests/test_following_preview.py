@@ -9,7 +9,7 @@ from browser import PATIENCE, changed, chromium, opened, orange, pixels, until
 
 import srs_ik
 from srs_ik import InvalidConfiguration, PreviewError
-from srs_ik.preview.page import rotation
+from srs_ik.preview.live.page import rotation
 from srs_ik.preview.robot import reach
 
 Q = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])

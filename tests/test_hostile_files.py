@@ -11,7 +11,7 @@ import pytest
 
 import srs_ik
 from srs_ik import InvalidMap, InvalidRobot, InvalidScene, Scene
-from srs_ik.collision.sphere_files import read_spheres
+from srs_ik.collision.links.sphere_files import read_spheres
 
 BOMB = 'a: &a ["x","x","x","x","x","x","x","x","x"]\n' + "".join(
     f"{name}: &{name} [{','.join([f'*{before}'] * 9)}]\n" for before, name in zip("abcdefgh", "bcdefghi", strict=True)

@@ -109,7 +109,7 @@ def test_a_page_cannot_be_shared_with_the_world(page):
 def test_without_viser_the_error_names_the_extra_once_a_page_is_made(monkeypatch):
     """Not before: all public names can be imported whatever is installed."""
     monkeypatch.setitem(sys.modules, "viser", None)
-    for name in ("srs_ik.preview", "srs_ik.preview.page", "srs_ik.preview.interactive"):
+    for name in ("srs_ik.preview", "srs_ik.preview.live.page", "srs_ik.preview.live.interactive"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     for name in ("Preview", "preview"):
         monkeypatch.delitem(vars(srs_ik), name, raising=False)

@@ -119,7 +119,7 @@ def test_a_motion_ends_where_the_arm_is_shown(browser, arm):
 
 def test_the_slider_turns_the_elbow_and_leaves_the_tip(browser, arm):
     pytest.importorskip("viser")
-    from srs_ik.preview.interactive import InteractivePreview
+    from srs_ik.preview.live.interactive import InteractivePreview
 
     with InteractivePreview(arm, Q) as view:
         before, target = view.solution, view.target

@@ -483,8 +483,8 @@ def figures(value):
 
 def test_a_page_whose_guard_does_not_stand_is_not_served(arm, monkeypatch):
     """Should viser come to listen in another way."""
-    page = pytest.importorskip("srs_ik.preview.page")
-    guard = pytest.importorskip("srs_ik.preview.guard")
+    page = pytest.importorskip("srs_ik.preview.live.page")
+    guard = pytest.importorskip("srs_ik.preview.live.guard")
     monkeypatch.setattr(guard, "guarding", contextlib.nullcontext)
     before = threading.active_count()
     with pytest.raises(srs_ik.PreviewError, match="cannot be kept to this machine"):

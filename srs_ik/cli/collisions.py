@@ -50,7 +50,7 @@ def collisions(
 
     import numpy as np
 
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.loading import load
 
     around = Scene() if scene is None else Scene.from_file(scene)

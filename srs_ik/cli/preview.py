@@ -77,13 +77,13 @@ def preview(
             fail(f"{solution.status.name}: {solution.message}")
         shown = solution.q.tolist()
     if follow:
-        from srs_ik.preview.following import FollowingPreview
+        from srs_ik.preview.live.following import FollowingPreview
 
         with FollowingPreview(arm, shown, package_dirs=meshes or (), port=port) as following:
             _serve(following)
         return
     if interactive:
-        from srs_ik.preview.interactive import InteractivePreview
+        from srs_ik.preview.live.interactive import InteractivePreview
 
         with InteractivePreview(arm, shown, meshes or (), port) as page:
             _serve(page)

@@ -44,7 +44,7 @@ def read(scene: Path | None, margin: str | None, exact: bool = False) -> dict[st
         return {}
     left = 0.0 if margin is None else numbers("--margin", [margin])[0]
 
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
 
     return {"scene": Scene.from_file(scene, exact), "margin": left}
 

@@ -18,10 +18,10 @@ from srs_ik.system.forks import WHOLE
 from srs_ik.system.waiting import said_if_long
 
 if TYPE_CHECKING:
-    from srs_ik.collision.bodies import Body
-    from srs_ik.collision.pairs import Pair
-    from srs_ik.collision.ranges import JointRange
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.links.bodies import Body
+    from srs_ik.collision.links.pairs import Pair
+    from srs_ik.collision.links.ranges import JointRange
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.collision.tables import OwnTables, Tables
     from srs_ik.robot.description.model import Drawing
     from srs_ik.robot.limb import SrsLimb
@@ -87,7 +87,7 @@ class BodyOwner(ChainKinematics):
         Raises:
             InvalidRobot: there is no such folder.
         """
-        from srs_ik.collision.sphere_files import as_text
+        from srs_ik.collision.links.sphere_files import as_text
 
         text = self.plan.srdf if srdf is None else str(srdf)
         if isinstance(spheres, Mapping):
@@ -123,8 +123,8 @@ class BodyOwner(ChainKinematics):
             InvalidScene: the name is that of a link or of what is held already, the pose is none, sizes are not
                 positive, or not one kind of form is given.
         """
-        from srs_ik.collision.bodies import held, link_frames
-        from srs_ik.collision.scene import Scene
+        from srs_ik.collision.links.bodies import held, link_frames
+        from srs_ik.collision.scenes.scene import Scene
 
         if isinstance(name, str) and name in link_frames(self):
             raise InvalidScene(f"{quoted(name)} is a link of {self.name}: an object in its hand needs another name")
@@ -178,9 +178,9 @@ class BodyOwner(ChainKinematics):
         return found
 
     def _find(self) -> tuple[list[Body], list[Pair], list[JointRange]]:
-        from srs_ik.collision.bodies import link_bodies
-        from srs_ik.collision.pairs import find_pairs, with_overrides
-        from srs_ik.collision.sphere_files import read_spheres
+        from srs_ik.collision.links.bodies import link_bodies
+        from srs_ik.collision.links.pairs import find_pairs, with_overrides
+        from srs_ik.collision.links.sphere_files import read_spheres
 
         plan = self.plan
         spheres = read_spheres(plan.spheres) if plan.spheres else None

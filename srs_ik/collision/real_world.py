@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.collision.forms import is_round
+from srs_ik.collision.links.real import real_forms
 from srs_ik.collision.parts import apart, parts_of, transform
-from srs_ik.collision.real import real_forms
 from srs_ik.collision.solids import Carried, Solids
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
-    from srs_ik.collision.bodies import Body
+    from srs_ik.collision.links.bodies import Body
+    from srs_ik.collision.links.ranges import JointRange
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.collision.parts import Part
-    from srs_ik.collision.ranges import JointRange
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.collision.tables import Tables
 
 TURNING = (2, 3, 4, 5)

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.collision.bodies import Body, revolved
-from srs_ik.collision.pairs import Pair
-from srs_ik.collision.ranges import JointRange
-from srs_ik.collision.scene import Scene
-from srs_ik.collision.thing import ball_of
+from srs_ik.collision.links.bodies import Body, revolved
+from srs_ik.collision.links.pairs import Pair
+from srs_ik.collision.links.ranges import JointRange
+from srs_ik.collision.scenes.scene import Scene
+from srs_ik.collision.scenes.thing import ball_of
 from srs_ik.errors import InvalidScene, quoted
 from srs_ik.kernels.layout import collision as at
 from srs_ik.system.arrays import Array

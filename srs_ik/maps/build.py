@@ -27,7 +27,7 @@ from srs_ik.solve.threads import checked_threads, processors
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.maps.reader import Map
 
 Progress = Callable[[int, int], None]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.collision.scene import check_scene
+from srs_ik.collision.scenes.scene import check_scene
 from srs_ik.errors import InvalidMap
 from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, RATIO_ANGLE, RATIO_BRANCH, Task
 from srs_ik.solve.objectives import Objective
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection
 
     from srs_ik.arm import Arm
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
 

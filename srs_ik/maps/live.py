@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from srs_ik.arm import Arm
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
 
 
 def measures_of(

@@ -23,7 +23,7 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
 
 Indices = NDArray[np.int64]
 

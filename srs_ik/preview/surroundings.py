@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import trimesh
 
-from srs_ik.collision.bodies import joined
 from srs_ik.collision.clearances import clearances
 from srs_ik.collision.forms import surface
+from srs_ik.collision.links.bodies import joined
 from srs_ik.kernels.layout import collision as at
 from srs_ik.preview import palette, solids
 from srs_ik.preview.palette import Rgb
@@ -21,7 +21,7 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
 
 AMPLE = 0.1
 """From this clearance on, m, a body is drawn in the colour of those that are far away."""

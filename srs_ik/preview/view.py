@@ -27,7 +27,7 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.inputs.task import Task
     from srs_ik.solve.intervals import Interval
     from srs_ik.solve.posture import Posture

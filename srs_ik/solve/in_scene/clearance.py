@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from srs_ik.collision.ranges import tightened
+from srs_ik.collision.links.ranges import tightened
 from srs_ik.kernels.layout import collision as at
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.goals import INSIDE, Search

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.collision.ranges import JointRange
+from srs_ik.collision.links.ranges import JointRange
 from srs_ik.solve.packed import pack_family
 from srs_ik.system.arrays import Array
 

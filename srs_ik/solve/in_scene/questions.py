@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from srs_ik.collision.scene import Scene
+from srs_ik.collision.scenes.scene import Scene
 from srs_ik.inputs.angles import as_arm_angle, as_bounded_joint_vector, as_branch, as_joint_vectors, as_seed
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.poses import OR_FREE, PoseLike, as_matrix

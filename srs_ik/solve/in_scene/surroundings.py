@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.collision.figures import as_margin
-from srs_ik.collision.ranges import loosened, tightened
+from srs_ik.collision.links.ranges import loosened, tightened
 from srs_ik.collision.reaches import TOUCH
-from srs_ik.collision.scene import Scene, check_scene
+from srs_ik.collision.scenes.figures import as_margin
+from srs_ik.collision.scenes.scene import Scene, check_scene
 from srs_ik.inputs.poses import invalid_pose
 from srs_ik.kernels.entries import collision as entries
 from srs_ik.kernels.entries import pose as pose_entries

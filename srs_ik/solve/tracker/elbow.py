@@ -89,7 +89,7 @@ def _ratio(task: Task) -> Objective:
 
 def _is_scene(elbow: Any) -> bool:
     # A tracker without a scene needs nothing of collisions.
-    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.scenes.scene import Scene
 
     return isinstance(elbow, Scene)
 

@@ -12,9 +12,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from srs_ik.collision import store
-from srs_ik.collision.cover import cover
 from srs_ik.collision.forms import Form, ball_around, row_of_spheres, surface
+from srs_ik.collision.links import store
+from srs_ik.collision.links.cover import cover
 from srs_ik.errors import InvalidScene, NoBodies, did_you_mean, listed, quoted
 from srs_ik.meshes.files import MeshFinder, MeshMissing, MeshShelf
 from srs_ik.robot.description.shapes import Shape, read_shapes

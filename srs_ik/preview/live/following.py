@@ -18,8 +18,8 @@ from srs_ik.inputs.numbers import as_positive
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kinematics import check_arm
 from srs_ik.preview import palette
-from srs_ik.preview.live import LivePage
-from srs_ik.preview.page import wxyz
+from srs_ik.preview.live.live_page import LivePage
+from srs_ik.preview.live.page import wxyz
 from srs_ik.preview.words import STYLE, css, degrees
 from srs_ik.system.arrays import Array
 

@@ -14,7 +14,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from srs_ik.preview.door import HEADERS, HOST, Door
-from srs_ik.preview.inbox import MESSAGE_BYTES, Inbox
+from srs_ik.preview.live.inbox import MESSAGE_BYTES, Inbox
 
 _POLICY = (
     "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; worker-src blob:; "
@@ -27,7 +27,7 @@ _NO_MESSAGE_OF_OURS = 1008
 """Code with which a connection is closed; the page's own script then connects again and gets the true state."""
 
 _making = threading.Lock()
-_log = logging.getLogger("srs_ik.preview.guard")
+_log = logging.getLogger("srs_ik.preview.live.guard")
 _log.addHandler(logging.NullHandler())
 # What strangers send is no news for the program's own output.
 _log.propagate = False

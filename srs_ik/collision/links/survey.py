@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.collision import store
-from srs_ik.collision.bodies import Body
 from srs_ik.collision.forms import is_round
-from srs_ik.collision.ranges import BOXES, FINE, PART, Bounds, JointRange
+from srs_ik.collision.links import store
+from srs_ik.collision.links.bodies import Body
+from srs_ik.collision.links.ranges import BOXES, FINE, PART, Bounds, JointRange
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
-    from srs_ik.collision.real import RealBodies
+    from srs_ik.collision.links.real import RealBodies
     from srs_ik.kinematics import ChainKinematics
 
 POSTURES = 200
@@ -86,7 +86,7 @@ class Survey:
     @cached_property
     def _real(self) -> RealBodies:
         # Where all that is asked has been kept on disk, nobody needs the shapes.
-        from srs_ik.collision.real import RealBodies
+        from srs_ik.collision.links.real import RealBodies
 
         return RealBodies(self._bodies)
 

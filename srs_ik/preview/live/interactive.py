@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from srs_ik.inputs.angles import as_arm_angle, as_joint_vector, as_seed
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.preview.circle import arc_solids, circle_solids
-from srs_ik.preview.inbox import FARTHEST, number, numbers
-from srs_ik.preview.live import LivePage
-from srs_ik.preview.page import wxyz
+from srs_ik.preview.live.inbox import FARTHEST, number, numbers
+from srs_ik.preview.live.live_page import LivePage
+from srs_ik.preview.live.page import wxyz
 from srs_ik.preview.words import report, span
 from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
 from srs_ik.system.arrays import Array

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.collision.figures import as_vector
-from srs_ik.collision.sphere_files import read_tree_of
+from srs_ik.collision.links.sphere_files import read_tree_of
+from srs_ik.collision.scenes.figures import as_vector
 from srs_ik.errors import InvalidPose, InvalidRobot, InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_of_xyz_rpy, warn_of_degrees
 from srs_ik.robot.description.files import label_of

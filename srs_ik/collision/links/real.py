@@ -14,7 +14,7 @@ from srs_ik.system.arrays import Array
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from srs_ik.collision.bodies import Body
+    from srs_ik.collision.links.bodies import Body
 
 
 class RealBodies:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.collision.scene_files import Given
+from srs_ik.collision.scenes.files import Given
 from srs_ik.errors import InvalidPose, InvalidScene, listed, quoted
 from srs_ik.inputs.messages import pose_matrix
 from srs_ik.inputs.rotations import pose_of_xyz_rpy

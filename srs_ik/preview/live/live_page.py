@@ -16,7 +16,7 @@ from srs_ik.errors import PreviewError
 from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.kinematics import check_arm
 from srs_ik.preview import solids
-from srs_ik.preview.page import PageCanvas, rotation, serve, stop
+from srs_ik.preview.live.page import PageCanvas, rotation, serve, stop
 from srs_ik.preview.robot import Stage, limb, look, reach, resting
 from srs_ik.preview.words import title
 from srs_ik.system.arrays import Array

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.collision.figures import (
+from srs_ik.collision.forms import Form, ball_around, frame_along, planes, row_of_spheres
+from srs_ik.collision.scenes.figures import (
     as_faces,
     as_margin,
     as_name,
@@ -22,8 +23,7 @@ from srs_ik.collision.figures import (
     warn_of_a_large_box,
     warn_of_millimetres,
 )
-from srs_ik.collision.forms import Form, ball_around, frame_along, planes, row_of_spheres
-from srs_ik.collision.thing import CELL, Thing, ball_of, cells_of
+from srs_ik.collision.scenes.thing import CELL, Thing, ball_of, cells_of
 from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.numbers import as_flag
@@ -33,9 +33,9 @@ from srs_ik.kinematics import check_arm
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
-    from srs_ik.collision.bodies import Body
-    from srs_ik.collision.scene_files import Given
-    from srs_ik.collision.scene_messages import Told
+    from srs_ik.collision.links.bodies import Body
+    from srs_ik.collision.scenes.files import Given
+    from srs_ik.collision.scenes.messages import Told
 
 MESH_SPHERES = 96
 """Spheres that cover a mesh, about."""
@@ -185,7 +185,7 @@ class Scene(Fixed):
         Raises:
             InvalidScene: the name is taken, the pose is none, or these are no triangles.
         """
-        from srs_ik.collision.bodies import covered_mesh
+        from srs_ik.collision.links.bodies import covered_mesh
 
         points = as_points(vertices, name)
         triangles = as_faces(faces, len(points), name)
@@ -281,7 +281,7 @@ class Scene(Fixed):
             InvalidScene: it is none of these, it has an octomap, attached objects or padded links, an object has planes
                 or is to be appended to, it is not there, or figures make no sense.
         """
-        from srs_ik.collision.scene_messages import of_message
+        from srs_ik.collision.scenes.messages import of_message
 
         before = dict(self._things), dict(self._told)
         try:
@@ -298,7 +298,7 @@ class Scene(Fixed):
             raise
 
     def _do(self, told: Told) -> None:
-        from srs_ik.collision.scene_messages import MOVE, REMOVE
+        from srs_ik.collision.scenes.messages import MOVE, REMOVE
 
         shapes = self._told.pop(told.name, {told.name: np.eye(4)})
         if told.operation == MOVE:
@@ -332,7 +332,7 @@ class Scene(Fixed):
             InvalidScene: there is no such file, or it is none; the message says which object is wrong, and how.
             MissingExtra: a YAML file, and no reader for it is installed.
         """
-        from srs_ik.collision.scene_files import read_scene
+        from srs_ik.collision.scenes.files import read_scene
 
         content = read_scene(file)
         try:

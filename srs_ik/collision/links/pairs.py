@@ -8,9 +8,9 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from srs_ik.collision.bodies import Body
-from srs_ik.collision.ranges import JointRange
-from srs_ik.collision.survey import MANY, Survey
+from srs_ik.collision.links.bodies import Body
+from srs_ik.collision.links.ranges import JointRange
+from srs_ik.collision.links.survey import MANY, Survey
 from srs_ik.errors import InvalidRobot, listed
 from srs_ik.robot.description.model import is_xml
 from srs_ik.robot.description.shapes import read_tree

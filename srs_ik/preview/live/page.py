@@ -19,7 +19,7 @@ from srs_ik.system.arrays import Array
 if TYPE_CHECKING:
     import viser
 
-    from srs_ik.preview.inbox import Inbox
+    from srs_ik.preview.live.inbox import Inbox
 
 
 class Served(NamedTuple):
@@ -42,8 +42,8 @@ def serve(port: int, label: str) -> Served:
         import viser
 
         # It brings what the guard needs.
-        from srs_ik.preview.guard import Guarded, guarding
-        from srs_ik.preview.inbox import Inbox
+        from srs_ik.preview.live.guard import Guarded, guarding
+        from srs_ik.preview.live.inbox import Inbox
     except ImportError:
         raise MissingExtra("interactive", "a page with sliders") from None
 

@@ -1,0 +1,1 @@
+"""What stands around an arm: scenes, their objects, and where these come from."""

@@ -1,0 +1,1 @@
+"""Pages that answer: their server behind a door, and what is drawn, dragged and followed on them."""
