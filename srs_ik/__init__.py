@@ -83,9 +83,9 @@ _MODULES = {
         "manipulability",
         "velocity_ellipsoid",
     ),
-    "collision.bodies": ("Body",),
-    "collision.pairs": ("Pair",),
-    "collision.scene": ("Scene",),
+    "collision.links.bodies": ("Body",),
+    "collision.links.pairs": ("Pair",),
+    "collision.scenes.scene": ("Scene",),
     "errors": (
         "AmbiguousLimb",
         "FrameNotFound",
