@@ -7,6 +7,7 @@ solution = arm.solve(arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0]
 
 from __future__ import annotations
 
+from contextlib import suppress
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -213,13 +214,21 @@ if not TYPE_CHECKING:  # to which the names above are known, and no others
         if name in NAMESPACES:
             return import_module(f"srs_ik.{name}")
         if name not in _HOME:
-            from srs_ik.errors import did_you_mean
-
-            raise AttributeError(f"module 'srs_ik' has no attribute {name!r}{did_you_mean(name, __all__)}")
+            raise AttributeError(f"module 'srs_ik' has no attribute {name!r}{_hint(name)}")
         with WHOLE:
             value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
         globals()[name] = value
         return value
+
+    def _hint(name: str) -> str:
+        """Where a name is that is not here: in a namespace, or misspelt."""
+        from srs_ik.errors import did_you_mean
+
+        for room in NAMESPACES:
+            with suppress(ImportError):  # a namespace whose extra is not installed
+                if name in import_module(f"srs_ik.{room}").__all__:
+                    return f"; it is srs_ik.{room}.{name}"
+        return did_you_mean(name, __all__)
 
 
 def __dir__() -> list[str]:

@@ -153,3 +153,23 @@ def test_continuous_joints_can_be_given_limits_and_others_none():
 def test_limits_that_are_none(limits, says):
     with pytest.raises(InvalidRobot, match=says):
         srs_ik.load("iiwa14", limits=limits)
+
+
+def test_limits_of_moveit_are_read_by_its_names():
+    plain = load("gen3")
+    both = {"has_velocity_limits": True, "max_velocity": 0.87, "has_acceleration_limits": True, "max_acceleration": 3.0}
+    off = {"has_position_limits": False, "min_position": -1.0, "max_position": 1.0}
+    arm = srs_ik.load("gen3", limits={"joint_2": both, "joint_4": {"min_position": -1.5}, "joint_6": off})
+    assert arm.velocity_limit[1] == 0.87
+    assert arm.lower[3] == -1.5
+    expected = np.array(plain.lower)
+    expected[3] = -1.5
+    assert arm.lower == pytest.approx(expected)
+    assert arm.upper == pytest.approx(plain.upper)
+    with pytest.raises(InvalidRobot, match="has no limit 'max_speed'"):
+        srs_ik.load("gen3", limits={"joint_2": {"max_speed": 1.0}})
+
+
+def test_velocities_that_look_like_degrees_are_noticed():
+    with pytest.warns(UserWarning, match="velocities are in rad/s, and joint 'joint_1' is given 90: are these degrees"):
+        load("gen3").with_limits(velocity=[90.0] * 7)

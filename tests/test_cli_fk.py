@@ -136,3 +136,11 @@ def test_a_wrong_line_of_joints_is_named(tmp_path, names, rows, named):
     result = run("fk", "iiwa14", "--file", write(tmp_path / "joints.csv", names, rows))
     assert result.exit_code == 2
     assert named in result.stderr
+
+
+def test_radians_that_are_read_in_degrees_are_noticed(tmp_path, names):
+    file = write(tmp_path / "joints.csv", names, JOINTS)
+    said = run("fk", "iiwa14", "--file", file, "--degrees")
+    assert said.exit_code == 0
+    assert "is read in degrees, and none of its angles is more than 1.5: are these radians?" in said.stderr
+    assert "degrees" not in run("fk", "iiwa14", "--file", file).stderr

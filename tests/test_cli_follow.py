@@ -155,3 +155,20 @@ def test_figures_without_names_are_refused(tmp_path):
     done = run("follow", "iiwa14", str(tmp_path / "poses.csv"), "--dt", "0.002")
     assert done.exit_code == 2
     assert "the header must name the columns x, y, z" in done.stderr
+
+
+def test_degrees_are_those_of_velocities_too(tmp_path):
+    file, _ = targets(tmp_path / "poses.csv", lost=())
+    turned = ["--degrees", "--q", *(str(np.rad2deg(x)) for x in Q), "--velocity", "30", "--acceleration", "90"]
+    found = answer("follow", "iiwa14", degrees_of(tmp_path, file), "--dt", "0.002", *turned)
+    assert found["velocity_limit"] == pytest.approx([np.deg2rad(30.0)] * 7)
+    assert found["acceleration_limit"] == pytest.approx([np.deg2rad(90.0)] * 7)
+
+
+def degrees_of(folder, file):
+    """The file with its angles in degrees."""
+    with open(file, newline="") as given, (folder / "degrees.csv").open("w", newline="") as turned:
+        rows = csv.reader(given)
+        csv.writer(turned).writerow(next(rows))
+        csv.writer(turned).writerows([*row[:3], *(float(x) * 180.0 / np.pi for x in row[3:])] for row in rows)
+    return str(folder / "degrees.csv")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import srs_ik
 from srs_ik import errors
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -186,3 +187,9 @@ def test_the_command_is_that_of_the_folder_it_was_installed_from(tmp_path, monke
         (site / "srs_ik-9.dist-info" / "direct_url.json").write_text(text)
     monkeypatch.syspath_prepend(site)
     assert errors.install_command("plot", site / "srs_ik") == expected.replace("FOLDER", str(tmp_path))
+
+
+@pytest.mark.parametrize(("name", "home"), [("plot_intervals", "plots"), ("FollowingPreview", "preview")])
+def test_a_name_of_another_room_is_told_where_it_is(name, home):
+    with pytest.raises(AttributeError, match=f"it is srs_ik.{home}.{name}$"):
+        getattr(srs_ik, name)

@@ -12,6 +12,7 @@ import pytest
 import trimesh
 from arms import generator
 from collision_oracle import Truth, clearance, file_of_and
+from robot_files import joint_xml, serial_arm
 from scipy.spatial.transform import Rotation
 
 import srs_ik
@@ -586,6 +587,51 @@ def test_an_arm_beside_is_of_the_same_robot():
     iiwa, gen3 = srs_ik.load("iiwa14"), srs_ik.load("gen3")
     with pytest.raises(srs_ik.InvalidScene, match="of another robot: iiwa14 has none of its links"):
         srs_ik.Scene().add_arm("other", gen3, [0.0] * 7, beside=iiwa)
+
+
+def test_an_arm_is_not_beside_itself():
+    iiwa = srs_ik.load("iiwa14")
+    with pytest.raises(srs_ik.InvalidScene, match="'other' has joints of iiwa14 itself"):
+        srs_ik.Scene().add_arm("other", iiwa, [0.0] * 7, beside=iiwa)
+
+
+def test_arms_on_a_lift_stand_at_the_same_height():
+    mounts = (
+        '<robot name="cell"><link name="floor"/><link name="column"/>'
+        '<joint name="lift" type="prismatic"><parent link="floor"/><child link="column"/><axis xyz="0 0 1"/>'
+        '<limit lower="0" upper="1" effort="1" velocity="1"/></joint>'
+    )
+    arms = ""
+    for side in ("left_", "right_"):
+        arms += serial_arm(prefix=side) + joint_xml(f"{side}mount", "column", f"{side}l0", "fixed", "")
+        arms += f'<link name="{side}ball"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>'
+        arms += joint_xml(f"{side}fixed", f"{side}l7", f"{side}ball", "fixed", "")
+    cell = f"{mounts}{arms}</robot>"
+    left = srs_ik.load(cell, base="floor", limb="left", locked={"lift": 0.3})
+    low = srs_ik.load(cell, limb="right")
+    with pytest.raises(srs_ik.InvalidScene, match=r"joint 'lift' stands at 0\.3 for cell and at 0 for 'right'"):
+        srs_ik.Scene().add_arm("right", low, [0.1] * 7, beside=left)
+    scene = srs_ik.Scene()
+    scene.add_arm("right", srs_ik.load(cell, limb="right", locked={"lift": 0.3}), [0.1] * 7, beside=left)
+    hit = left.collision([0.1] * 7, scene)
+    assert hit is not None
+    assert {hit.first, hit.second} == {"left_ball", "right/right_ball"}
+
+
+def test_where_objects_are_can_be_read():
+    scene, pose = srs_ik.Scene(), srs_ik.pose_from_xyz_rpy([0.5, 0.0, 0.1], [0.0, 0.0, 0.3])
+    scene.add_box("table", pose, [0.6, 0.8, 0.05])
+    scene.add_sphere("ball", [1.0, 2.0, 3.0], 0.1)
+    assert scene.pose("table") == pytest.approx(pose.homogeneous)
+    scene.pose("table")[:] = 0.0
+    scene.move("ball", pose)
+    assert scene.pose("ball") == pytest.approx(pose.homogeneous) == scene.pose("table")
+    assert [str(thing) for thing in scene] == [
+        "<'table' at (0.5, 0, 0.1) m: box 0.6 x 0.8 x 0.05 m>",
+        "<'ball' at (0.5, 0, 0.1) m: sphere 0.1 m>",
+    ]
+    with pytest.raises(srs_ik.InvalidScene, match="did you mean 'table'"):
+        scene.pose("tabel")
 
 
 def test_a_file_that_is_not_there_is_no_scene(tmp_path):

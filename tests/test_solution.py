@@ -294,3 +294,19 @@ def test_a_status_alone_is_neither_true_nor_false(status):
     of, whole = ("Status", "solution") if isinstance(status, Status) else ("TrackerStatus", "step")
     with pytest.raises(TypeError, match=rf"compare it with {of}\.OK, or test the {whole}"):
         bool(status)
+
+
+@pytest.mark.parametrize("all_branches", [False, True])
+def test_a_table_says_what_became_of_each_answer(all_branches):
+    arm = srs_ik.load("iiwa14")
+    poses = arm.forward_kinematics_batch(np.full((3, 7), 0.4))
+    poses[1, :3, 3] = 5.0
+    found = arm.solve_batch(poses, 0.3, all_branches=all_branches)
+    table = found.as_table()
+    assert list(table) == [*arm.joint_names, *["status", "branch", "arm_angle", "position_error", "orientation_error"]]
+    flat = found.q.reshape(-1, 7)
+    for k, solution in enumerate(found[i] for i in np.ndindex(found.status.shape)):
+        assert table["status"][k] == solution.status.name
+        assert [table[name][k] for name in arm.joint_names] == flat[k].tolist() == solution.q.tolist()
+        assert table["position_error"][k] == solution.position_error
+    assert "UNREACHABLE" in table["status"]

@@ -497,6 +497,11 @@ def test_who_starts_outside_the_limits_is_told_what_is_inside():
     assert arm.tracker(np.clip(past, arm.lower, arm.upper), 0.002).update(None).status == "HELD"
 
 
+def test_velocities_above_the_robots_own_are_told():
+    with pytest.warns(UserWarning, match="joint '.*' may go at 30 rad/s, its own limit is"):
+        load("gen3").tracker([0.1] * 7, 0.01, velocity=30.0)
+
+
 def test_threads_that_share_a_tracker_wait_for_each_other():
     arm = load("iiwa14")
     tracker = arm.tracker([0.1] * 7, 0.01)

@@ -77,9 +77,14 @@ def test_random_postures_and_times(seed, count, narrow):
         q[2], times[2:] = q[1], times[2:] - (times[2] - times[1])  # the path stands still for a pose
     limits = (q.min(axis=0), q.max(axis=0)) if narrow else (np.full(7, -np.inf), np.full(7, np.inf))
     velocity, acceleration = rng.uniform(0.5, 3.0, (2, 7))
-    motion = Trajectory(q, times, limits, velocity, acceleration)
+    stands = np.zeros(count - 1, dtype=bool)
+    if count > 6:
+        stands[4] = True
+    motion = Trajectory(q, times, stands, limits, (velocity, acceleration))
     _, angles, v, a = dense(motion, 5001)
     assert np.isfinite(a).all()
+    moving = motion.sample(motion.passes[4]).velocity[1] if count > 6 else np.zeros(7)
+    assert np.abs(moving).max() <= 1e-9
     assert (np.abs(v) <= velocity * (1.0 + 1e-9)).all()
     assert (np.abs(a) <= acceleration * (1.0 + 1e-9)).all()
     assert (angles >= limits[0] - 1e-8).all()
@@ -126,3 +131,31 @@ def test_what_is_no_motion_is_refused():
         arm.solve_path([], dt=0.1).trajectory()
     long = arm.solve_path(line(arm, 5), seed=Q, dt=0.1)
     assert long.trajectory().sample(1e9).q[-1] == pytest.approx(long.q[-1])
+
+
+def test_a_motion_that_does_not_begin_in_the_seed_says_so():
+    arm = srs_ik.load("gen3")
+    poses = line(arm, 5)
+    away = Q + 0.2 * np.eye(7)[2]
+    path = arm.solve_path(poses, seed=away, dt=0.1)
+    gap = np.abs(path.q[0] - away).max()
+    with pytest.warns(UserWarning, match=rf"the motion begins {gap:.3g} rad from the seed \(joint 'joint_"):
+        path.trajectory()
+    assert arm.solve_path(poses, known={0: Q}, dt=0.1).trajectory().sample(0.1).q[0] == pytest.approx(Q, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+@pytest.mark.parametrize("options", [{"dt": 0.3}, {"objective": "time", "acceleration_limit": 2.0}])
+def test_where_the_path_stands_still_the_tip_does(name, options):
+    arm = srs_ik.load(name)
+    there = line(arm, 4, 0.1)
+    poses = np.concatenate([there[:1], there[:1], there, there[-1:], there[-1:], there[::-1]])
+    path = arm.solve_path(poses, known={0: Q}, **options)
+    motion = path.trajectory()
+    _, q, v, _ = dense(motion, 4001)
+    y = np.array([arm.forward_kinematics(each).translation[1] for each in q]) - there[0, 1, 3]
+    assert y.min() > -1e-6
+    assert y.max() < 0.1 + 1e-6
+    stops = np.flatnonzero((np.diff(motion.passes) > 1e-6) & (np.abs(np.diff(poses, axis=0)).max(axis=(1, 2)) < 1e-12))
+    at = np.abs(np.linspace(0.0, motion.duration, 4001)[:, None] - motion.passes[stops]).argmin(axis=0)
+    assert np.abs(v[at]).max() < 0.02

@@ -63,7 +63,7 @@ def follow(
         Path | None, typer.Option(metavar="FILE.csv", help="Write time, joint angles (rad), status and errors here.")
     ] = None,
     degrees: Annotated[
-        bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --q, --elbow, --cone).")
+        bool, typer.Option("--degrees", help="Angles are given in degrees, also those per second (--velocity ...).")
     ] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -80,10 +80,10 @@ def follow(
     if smoothing is not None:
         options["smoothing"] = numbers("--smoothing", [smoothing])[0]
     if velocity is not None:
-        options["velocity"] = numbers("--velocity", [velocity])[0]
+        options["velocity"] = unit * numbers("--velocity", [velocity])[0]
     if acceleration is not None:
         options["acceleration"] = (
-            math.inf if acceleration.lower() in ("inf", "+inf") else numbers("--acceleration", [acceleration])[0]
+            math.inf if acceleration.lower() in ("inf", "+inf") else unit * numbers("--acceleration", [acceleration])[0]
         )
     q0 = None if start is None else angles("--q", start, unit)
     refuse_onto(out, poses)

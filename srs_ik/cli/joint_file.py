@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import Seven, WrongInput
+from srs_ik.cli.options import Seven, WrongInput, warn
 from srs_ik.cli.pose_file import figures, places_of, read_table
 from srs_ik.cli.poses import JOINTS, warn_of_degrees
 
@@ -32,7 +33,8 @@ def read_joints(path: Path, joint_names: Sequence[str], unit: float) -> np.ndarr
     """The joint angles of a CSV file whose header names the joints, (N, 7), rad.
 
     The columns are the names of the joints, or q1 to q7, in any order. Other columns and empty lines are left out. A
-    line on standard error says where angles in radians look like degrees; `unit` is that of the file in radians.
+    line on standard error says where angles in radians look like degrees, or the other way about; `unit` is that of the
+    file in radians.
 
     Raises:
         WrongInput: the header lacks a joint, or a line a number; the message says which line.
@@ -49,4 +51,7 @@ def read_joints(path: Path, joint_names: Sequence[str], unit: float) -> np.ndarr
     given = np.array([list(figures(f"{path}, line {at}", row, columns)) for at, row in rows])
     if unit == 1.0:
         warn_of_degrees(str(path), given.ravel().tolist(), " Then add --degrees.")
+    elif abs(given).max() <= 2.0 * math.pi:
+        said = f"{path} is read in degrees, and none of its angles is more than {abs(given).max():.3g}"
+        warn(f"{said}: are these radians? What commands write is in radians, whatever --degrees.")
     return unit * given

@@ -88,7 +88,8 @@ def path(
         ),
     ] = None,
     degrees: Annotated[
-        bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --seed, --cone ...).")
+        bool,
+        typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --seed, --acceleration ...)."),
     ] = False,
     scene: SceneFile = None,
     margin: Margin = None,
@@ -117,7 +118,7 @@ def path(
         _positive("--longest-step", longest_step)
         (options["longest_step"],) = angles("--longest-step", [longest_step], unit)
     if acceleration is not None:
-        options["acceleration_limit"] = _accelerations(acceleration, objective)
+        options["acceleration_limit"] = [unit * each for each in _accelerations(acceleration, objective)]
     if period is not None and (out is None or (dt is None and acceleration is None)):
         raise WrongInput("--period is of the motion in --out, and goes with --dt or --acceleration")
     every = None if period is None else _positive("--period", period)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli.chosen import Chosen, choosing
-from srs_ik.cli.ellipsoids import Part
 from srs_ik.cli.options import Source, WrongInput, fail
 from srs_ik.cli.picture import check, save
 from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
@@ -24,6 +23,13 @@ class Kind(StrEnum):
     ellipsoids = "ellipsoids"
     arm_angle = "arm-angle"
     intervals = "intervals"
+
+
+class Part(StrEnum):
+    """Rows of the Jacobian; both in one have no picture."""
+
+    linear = "linear"
+    angular = "angular"
 
 
 @choosing
@@ -67,8 +73,6 @@ def plot(
         raise WrongInput("name the picture: --output FILE.png")
     if branch is not None and branch not in range(8):
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
-    if kind is Kind.ellipsoids and part is Part.full:
-        raise WrongInput("--part of a picture is linear or angular")
     pose, angles = read_pose(xyz, rpy, quat, q, unit_of(degrees))
     check(output, "--output")
 
@@ -78,7 +82,7 @@ def plot(
     arm = load(source, **chosen)
     if kind is Kind.ellipsoids:
         posture = angles if pose is None else _solved(arm, pose, not no_limits)
-        figure = plots.plot_ellipsoids(arm, posture, limits, "angular" if part is Part.angular else "linear")
+        figure = plots.plot_ellipsoids(arm, posture, limits, part.value)
     else:
         if pose is None:
             pose = arm.forward_kinematics(angles).homogeneous

@@ -33,6 +33,10 @@ class Form:
     vertices: Array | None = None  # (n, 3) of a mesh, m
     faces: NDArray[np.int64] | None = None  # (m, 3) of a mesh
 
+    def __str__(self) -> str:
+        sizes = " x ".join(f"{size:.4g}" for size in self.size)
+        return f"{self.kind} {sizes} m" if sizes else str(self.kind)
+
     def moved(self, T: Array) -> Form:
         """The form in another frame."""
         return Form(self.kind, self.size, T @ self.T, self.vertices, self.faces)

@@ -26,14 +26,14 @@ SAMPLES = 721
 
 _STYLES = (
     (VELOCITY, "-"),
-    (FORCE, "-"),
-    (JOINT, "-"),
-    ("black", "-"),
-    (VELOCITY, (0, (4, 1.5))),
-    (FORCE, (0, (4, 1.5))),
+    (FORCE, (0, (7, 1.5))),
     (JOINT, (0, (1, 1))),
+    ("black", "-"),
+    (VELOCITY, (0, (3.5, 1.5))),
+    (FORCE, (0, (6, 1.5, 1, 1.5))),
+    (JOINT, (0, (3, 1, 1, 1, 1, 1))),
 )
-"""Colour and dashes of each joint: the shoulder solid, the wrist broken, so that they differ in grey too."""
+"""Colour and dashes of each joint; all dashes differ, but for the black line's, so that grey prints can be read."""
 
 
 def plot_arm_angle(arm: Arm, pose: PoseLike, branch: int | None = None) -> Figure:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -11,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
+from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted, warn_caller
 from srs_ik.inputs.numbers import real_number, vector_of
 from srs_ik.robot.chain import Chain, unlimited_if_huge
 from srs_ik.robot.limb import Vector
@@ -19,6 +18,24 @@ from srs_ik.system import bounds
 
 _LIMITS = {"lower": "lower", "upper": "upper", "velocity": "velocity_limit", "effort": "effort_limit"}
 """What a limit is called in an adapter, and in a chain."""
+
+_OF_MOVEIT = {
+    "min_position": ("lower", "has_position_limits"),
+    "max_position": ("upper", "has_position_limits"),
+    "max_velocity": ("velocity", "has_velocity_limits"),
+    "max_effort": ("effort", "has_effort_limits"),
+}
+"""What MoveIt's joint_limits.yaml calls them, and what says there whether they count."""
+
+_LEFT_OUT = {
+    f"{prefix}_{what}{end}"
+    for what in ("acceleration", "deceleration", "jerk")
+    for prefix, end in (("has", "_limits"), ("min", ""), ("max", ""))
+} | {"angle_wraparound"}
+"""What else stands there: paths and trackers are given accelerations and jerks themselves."""
+
+FASTEST = 30.0
+"""Faster joints, rad/s, get a warning: theirs may be degrees."""
 
 Array = Vector
 
@@ -69,7 +86,8 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
     Args:
         chain: the chain, which stays as it is.
         limits: for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s) and "effort" (N m) that
-            change.
+            change; or as MoveIt's joint_limits.yaml has them ("max_velocity" with "has_velocity_limits" ...), whose
+            accelerations and jerks are left out.
 
     Raises:
         InvalidRobot: limits are no mapping of mappings, a joint or limit of that name does not exist, a limit is no
@@ -85,6 +103,7 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
                 f"limits are given for {quoted(joint)}{hint}; the joints are {listed(chain.joint_names)}"
             )
         k = chain.joint_names.index(joint)
+        changes = _named_as_here(changes)
         for key, value in changes.items():
             if key not in _LIMITS:
                 raise InvalidRobot(f"joint {joint!r} has no limit {quoted(key)}; limits are {listed(list(_LIMITS))}")
@@ -96,6 +115,7 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
         arrays["lower"][k], arrays["upper"][k] = lower, upper
         if not min(arrays["velocity_limit"][k], arrays["effort_limit"][k]) > 0.0:
             raise InvalidRobot(f"velocity and effort of joint {joint!r} must be positive; inf where there is no limit")
+    _warn_of_fast_joints(chain, arrays["velocity_limit"])
     model = pin.Model(chain.model)
     for k in range(7):
         joint = model.joints[k + 1]
@@ -105,6 +125,20 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
     model.velocityLimit = arrays["velocity_limit"]
     model.effortLimit = arrays["effort_limit"]
     return replace(chain, model=model, **arrays)
+
+
+def _named_as_here(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Changes of one joint by the names of `_LIMITS`; limits that a file of MoveIt switches off are left out."""
+    switches = {switch for _, switch in _OF_MOVEIT.values()}
+    found = {}
+    for key, value in changes.items():
+        if key in _OF_MOVEIT:
+            name, switch = _OF_MOVEIT[key]
+            if changes.get(switch, True):
+                found[name] = value
+        elif key not in _LEFT_OUT and key not in switches:
+            found[key] = value
+    return found
 
 
 def by_joint(joint_names: Sequence[str], given: Mapping[str, ArrayLike | None]) -> dict[str, dict[str, float]]:
@@ -122,7 +156,16 @@ def _warn_of_degrees(joint: str, changes: Mapping[str, float]) -> None:
     largest = max((abs(figure) for figure in figures if np.isfinite(figure)), default=0.0)
     if 4.0 * np.pi < largest <= 720.0:
         said = f"limits are in radians, and joint {joint!r} is given {largest:g}: are these degrees?"
-        warnings.warn(said, UserWarning, stacklevel=2)
+        warn_caller(said)
+
+
+def _warn_of_fast_joints(chain: Chain, velocity: Array) -> None:
+    """Warn where velocities that change are more than joints go at: they may be degrees."""
+    fast = (velocity > FASTEST) & (velocity < np.inf) & (velocity != chain.velocity_limit)
+    if fast.any():
+        k = int(fast.argmax())
+        said = f"velocities are in rad/s, and joint {chain.joint_names[k]!r} is given {velocity[k]:g}"
+        warn_caller(f"{said}: are these degrees?")
 
 
 def _figure(value: Any, what: str) -> float:

@@ -61,8 +61,21 @@ class _Rows:
         return self._rows[..., at.ROW_ORIENTATION_ERROR]
 
     def as_dict(self) -> dict[str, Array]:
-        """(...) joint angles by joint name, rad, in the order of the joints."""
+        """(...) joint angles by joint name, rad, in the order of the joints, whatever their status; see `as_table`."""
         return {name: self.q[..., k] for k, name in enumerate(self._joint_names)}
+
+    def as_table(self) -> dict[str, NDArray[Any]]:
+        """Columns (n,), a row for each answer: joint angles by joint name (rad), and what became of the answer.
+
+        That is "status" (the name of the `Status`), "branch", "arm_angle" (rad), "position_error" (m) and
+        "orientation_error" (rad), as `srs-ik solve --out` writes them. `pandas.DataFrame` takes it as it is.
+        """
+        names = np.array([status.name for status in Status])
+        columns = {name: angles.ravel() for name, angles in self.as_dict().items()}
+        columns["status"] = names[self.status.ravel()]
+        for field in ("branch", "arm_angle", "position_error", "orientation_error"):
+            columns[field] = getattr(self, field).ravel()
+        return columns
 
     def __len__(self) -> int:
         return len(self._rows)

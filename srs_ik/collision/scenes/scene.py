@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,17 +23,16 @@ from srs_ik.collision.scenes.figures import (
     warn_of_a_large_box,
     warn_of_millimetres,
 )
+from srs_ik.collision.scenes.standing_arm import Bodied, thing_of_arm
 from srs_ik.collision.scenes.thing import CELL, Thing, ball_of, cells_of
 from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.numbers import as_flag
 from srs_ik.inputs.poses import PoseLike
 from srs_ik.kernels.layout import collision as at
-from srs_ik.kinematics import check_arm
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
-    from srs_ik.collision.links.bodies import Body
     from srs_ik.collision.scenes.files import Given
     from srs_ik.collision.scenes.messages import Told
 
@@ -45,20 +44,6 @@ def check_scene(scene: Any) -> None:
     """Raise InvalidScene for what is no scene."""
     if not isinstance(scene, Scene):
         raise InvalidScene(f"a scene is a srs_ik.Scene, not {quoted(scene)}")
-
-
-class Bodied(Protocol):
-    """What a scene asks of an arm that stands in it."""
-
-    name: str
-    model: Any
-
-    @property
-    def bodies(self) -> list[Body]:
-        """The links of the arm, and what it holds."""
-
-    def joint_frames(self, q: ArrayLike) -> Array:
-        """(8, 4, 4) frames of the root and of the joints in the base frame."""
 
 
 class Scene(Fixed):
@@ -237,33 +222,11 @@ class Scene(Fixed):
 
         Raises:
             InvalidScene: the name is taken, the pose is none, neither or both of pose and `beside` are given, or that
-                is of another robot.
+                is of another robot, is this arm itself, or has other joints of their robot, such as a lift, elsewhere.
             InvalidConfiguration: not 7 finite angles.
             NoBodies: no shapes of the other arm are at hand.
         """
-        if (pose is None) == (beside is None):
-            raise InvalidScene(
-                f"where {quoted(name)} stands is given by a pose, or by an arm of the same robot: beside="
-            )
-        for each in (other,) if beside is None else (other, beside):
-            check_arm(each, InvalidScene)
-        frames = other.joint_frames(q)
-        T = as_pose(pose, name) if beside is None else beside.joint_frames(np.zeros(7))[0] @ np.linalg.inv(frames[0])
-        thing = Thing(as_name(name), T)
-        bodies = other.bodies if beside is None else [body for body in other.bodies if body.joint]
-        if beside is not None:
-            thing.replaces = frozenset(body.name for body in bodies)
-            if thing.replaces.isdisjoint(frame.name for frame in beside.model.frames):
-                raise InvalidScene(
-                    f"{quoted(name)} is of another robot: {beside.name} has none of its links; give its pose instead"
-                )
-        for body in bodies:
-            F = frames[body.joint]
-            rows = np.column_stack([body.spheres[:, :3] @ F[:3, :3].T + F[:3, 3], body.spheres[:, 3]])
-            label = f"{thing.name}/{body.name}"
-            thing.add(at.SPHERES, rows, ball_of(rows), label)
-            thing.parts.append((label, tuple(form.moved(F) for form in body.forms)))
-        self._put(thing)
+        self._put(thing_of_arm(name, other, q, pose, beside))
 
     def add_message(self, message: Any) -> None:
         """Do as a message of ROS says, told by its fields alone; all of it, or nothing.
@@ -342,6 +305,14 @@ class Scene(Fixed):
         except InvalidScene as error:
             raise InvalidScene(f"{content.where}: {error}") from None
         return scene
+
+    def pose(self, name: str) -> Array:
+        """(4, 4) pose of an object in the base frame: that of its own frame, as `move` takes it.
+
+        Raises:
+            InvalidScene: there is no such object.
+        """
+        return self._find(name).T.copy()
 
     def move(self, name: str, pose: PoseLike) -> None:
         """Put an object somewhere else, by the pose of its own frame in the base frame.

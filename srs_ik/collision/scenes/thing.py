@@ -37,6 +37,12 @@ class Thing:
         self.balls: list[Array] = []
         self.parts: list[tuple[str, tuple[Form, ...]]] = []
 
+    def __repr__(self) -> str:
+        shapes = ", ".join(str(form) for form in self.forms[:3]) or f"{sum(map(len, self.rows))} spheres or planes"
+        more = f" and {len(self.forms) - 3} more" if len(self.forms) > 3 else ""
+        x, y, z = self.T[:3, 3]
+        return f"<{self.name!r} at ({x:.4g}, {y:.4g}, {z:.4g}) m: {shapes}{more}>"
+
     def add(self, kind: int, rows: Array, ball: Array, label: str = "") -> None:
         """Add a group of rows, with a sphere (4,) that contains it."""
         self.kinds.append(kind)

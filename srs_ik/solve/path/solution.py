@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from srs_ik.errors import InvalidConfiguration
+from srs_ik.errors import InvalidConfiguration, warn_caller
 from srs_ik.kernels.layout.path import BY_VELOCITY
 from srs_ik.solve.path.bound import least_largest, least_sum
 from srs_ik.solve.path.breaks import PathBreak
@@ -21,6 +21,13 @@ from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.solve.path.trajectory import Trajectory
+
+
+STANDING = 1e-12
+"""Two poses in a row are the same if no entry differs by more."""
+
+ELSEWHERE = 1e-3
+"""A motion that begins farther than this from the seed, rad, gets a warning."""
 
 
 class PathSolution(BatchSolution):
@@ -109,7 +116,8 @@ class PathSolution(BatchSolution):
 
         It passes the postures at `times`, or `dt` apart, or more slowly (`Trajectory.stretch`), within the velocity
         limits of the arm, and those of acceleration that the path was given. Between two postures it bends away from
-        the straight line of joint angles, for which a scene is certified, as splines do.
+        the straight line of joint angles, for which a scene is certified, as splines do. It begins in the first
+        posture, not in the seed: a warning says how far apart they are.
 
         Raises:
             InvalidConfiguration: the path has a break or a pose that is not reached, or was given neither `dt` nor
@@ -130,9 +138,11 @@ class PathSolution(BatchSolution):
                 "nothing says how fast the path is passed: "
                 "give solve_path dt=, or objective='time' with acceleration_limit="
             )
+        _warn_of_a_start_elsewhere(problem, self.q[0])
         arm, pushes = problem.arm, np.full(7, np.inf) if problem.acceleration is None else problem.acceleration
         q = np.vstack([self.q[:1], self.q[0] + np.cumsum(self.steps, axis=0)])
-        return Trajectory(q, times, (arm.lower, arm.upper), arm.velocity_limit, pushes)
+        stands = np.abs(np.diff(problem.T, axis=0)).max(axis=(1, 2)) <= STANDING
+        return Trajectory(q, times, stands, (arm.lower, arm.upper), (arm.velocity_limit, pushes))
 
     @property
     def largest_step(self) -> float:
@@ -153,3 +163,16 @@ def value_of(problem: Problem, q: Array, steps: Array) -> float:
     if problem.seed is not None and len(q):
         steps = np.vstack([steps_of(problem, np.vstack([problem.seed, q[:1]])), steps])
     return objective_of(problem, steps)
+
+
+def _warn_of_a_start_elsewhere(problem: Problem, q: Array) -> None:
+    """Warn where a motion does not begin in the seed: a robot that stands there would jump."""
+    if problem.seed is None:
+        return
+    away = np.abs(q - problem.seed)
+    joint = int(away.argmax())
+    if away[joint] > ELSEWHERE:
+        warn_caller(
+            f"the motion begins {away[joint]:.3g} rad from the seed (joint {problem.arm.joint_names[joint]!r}): "
+            "bring the joints there first, or give known={0: q} where the robot stands at the first pose"
+        )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator, PPoly
 
 from srs_ik.errors import InvalidConfiguration
@@ -35,8 +37,9 @@ class Trajectory:
     """A motion through all postures of a path, from rest to rest.
 
     Joint angles are cubic polynomials of the time between two postures. Velocities are continuous, and so are
-    accelerations, unless a joint would swing over its limit: then they jump at postures, and all joints stay between
-    their angles at two neighbours. Joints without end go on over pi.
+    accelerations between two rests, unless a joint would swing over its limit: then they jump at postures, and all
+    joints stay between their angles at two neighbours. Joints without end go on over pi. At the beginning, at the end,
+    and where the path has the same pose twice in a row, such as at a grip, all joints are at rest.
 
     Attributes:
         passes: (N,) when it passes the postures of the path, s. These are the times that the path had, all
@@ -47,18 +50,26 @@ class Trajectory:
     """
 
     def __init__(
-        self, q: Array, times: Array, limits: tuple[Array, Array], velocity: Array, acceleration: Array
+        self,
+        q: Array,
+        times: Array,
+        stands: NDArray[np.bool_],
+        limits: tuple[Array, Array],
+        pushes: tuple[Array, Array],
     ) -> None:
+        velocity, acceleration = pushes
         moves = np.append(True, np.diff(times) > APART * times[-1])
         own, angles = times[moves], q[moves]
+        rests = np.zeros(len(own), dtype=bool)
+        rests[(np.cumsum(moves) - 1)[np.append(stands, True) | np.append(True, stands)]] = True
         self._at_rest: Array | None = None
         if len(own) == 1:
             self._at_rest, self.stretch, self.passes, self.duration = q[0], 1.0, np.zeros(len(q)), 0.0
             return
-        curve: PPoly = CubicSpline(own, angles, bc_type="clamped")
+        curve = _from_rest_to_rest(own, angles, np.flatnonzero(rests))
         if _leaves(curve, *limits):
             slopes = PchipInterpolator(own, angles).derivative()(own)
-            slopes[0] = slopes[-1] = 0.0
+            slopes[rests] = 0.0
             curve = CubicHermiteSpline(own, angles, slopes)
         fast = (_largest_speed(curve) / velocity).max()
         hard = (np.abs(_ends(curve, 2)).max(axis=(0, 1)) / acceleration).max()
@@ -93,6 +104,13 @@ class Trajectory:
 
     def __repr__(self) -> str:
         return f"Trajectory({len(self.passes)} postures in {self.duration:.4g} s)"
+
+
+def _from_rest_to_rest(times: Array, q: Array, rests: NDArray[np.int64]) -> PPoly:
+    """Splines from each rest to the next one, in one curve."""
+    pieces = [slice(first, last + 1) for first, last in pairwise(rests)]
+    parts = [CubicSpline(times[piece], q[piece], bc_type="clamped").c for piece in pieces]
+    return PPoly(np.concatenate(parts, axis=1), times)
 
 
 def _ends(curve: PPoly, order: int) -> Array:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.errors import InvalidConfiguration, InvalidPose, MissingLimits, quoted
+from srs_ik.errors import InvalidConfiguration, InvalidPose, MissingLimits, quoted, warn_caller
 from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
@@ -348,7 +348,14 @@ def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Arra
             names = [packed.joint_names[j] for j in np.flatnonzero(missing)]
             raise MissingLimits("velocity", names, packed.name)
         return _kept(np.minimum(default, MOST[what]))
-    return _kept(per_joint(given, what, MOST[what], endless))
+    figures = per_joint(given, what, MOST[what], endless)
+    own = np.where(default > 0.0, default, np.inf)
+    if what == "velocity" and (figures > own * (1.0 + 1e-9)).any():
+        j = int((figures / own).argmax())
+        warn_caller(
+            f"joint {packed.joint_names[j]!r} may go at {figures[j]:.4g} rad/s, its own limit is {default[j]:.4g}"
+        )
+    return _kept(figures)
 
 
 def _kept(figures: Array) -> Array:
