@@ -7,6 +7,7 @@ from collision_oracle import Truth, file_of
 
 import srs_ik
 from srs_ik.maps import build_map, estimate, measures_of, open_map
+from srs_ik.maps.fingerprint import fingerprint
 from srs_ik.maps.tasks import in_base
 
 pytest.importorskip("zarr")
@@ -110,6 +111,56 @@ def test_nothing_is_free_behind_a_wall_that_holds_the_hand():
     assert found["reached"][0] == 1
     assert found["width"][0] > 0.0
     assert found["free"][0] == 0.0
+
+
+def with_a_rod():
+    return srs_ik.load("iiwa14").with_object(
+        "rod", srs_ik.pose_from_xyz_rpy([0.0, 0.0, 0.15], [0.0, 0.0, 0.0]), [0.05, 0.05, 0.4]
+    )
+
+
+def unwatched(arm):
+    return arm.with_bodies(drop=[(pair.first, pair.second) for pair in arm.pairs if pair.kept])
+
+
+CHANGES = {
+    "limits": lambda arm: arm.with_limits(lower=[-2.8] * 7, upper=[2.0] * 7),
+    "tool": lambda arm: arm.with_tool(srs_ik.pose_from_xyz_rpy([0.0, 0.0, 0.2], [0.0, 0.5, 0.0])),
+    "base": lambda arm: arm.with_base(srs_ik.pose_from_xyz_rpy([1.0, 0.0, 0.2], [0.0, 0.5, 0.0])),
+    "pairs": unwatched,
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_what_is_free_is_that_of_the_arm_that_asks_not_of_one_that_asked_before(change):
+    arm, scene = with_a_rod(), shelf()
+    other, q = CHANGES[change](arm), [0.8, -1.0, -2.7, -2.0, 1.9, 1.7, 0.7]
+    for each in (arm, other, arm):
+        T = each.forward_kinematics(q).homogeneous
+        expected = sum(interval.width for interval in each.intervals(T, scene=scene))
+        assert expected > 0.1  # else `intervals` would have asked the real shapes
+        assert measures_of(each, [T], scene=scene)["free"][0] == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_map_of_other_pairs_or_of_an_object_moved_meanwhile_is_another_one(tmp_path):
+    arm, scene, path = with_a_rod(), shelf(), tmp_path / "box.zarr"
+    chart = build_map(arm, 0.4, path, orientations=12, box=BOX, scene=scene)
+    with pytest.raises(srs_ik.InvalidMap, match="no map of this scene"):
+        open_map(path, unwatched(arm), scene)
+    with pytest.raises(srs_ik.InvalidMap, match="another scene"):
+        build_map(unwatched(arm), 0.4, path, orientations=12, box=BOX, scene=scene)
+    scene.move("shelf", srs_ik.pose_from_xyz_rpy([0.4, 0.1, 0.5], [0.0, 0.0, 0.0]))
+    assert chart.verify(100)
+
+
+def test_things_of_the_same_spheres_with_other_shapes_are_others():
+    """Where real shapes count, a capsule is less than the spheres that cover it."""
+    arm, capsule, cloud = srs_ik.load("iiwa14"), srs_ik.Scene(exact=True), srs_ik.Scene(exact=True)
+    capsule.add_capsule("thing", np.eye(4), 0.05, 0.1)
+    (rows,) = next(iter(capsule)).rows
+    cloud.add_points("thing", rows[:, :3], rows[0, 3])
+    np.testing.assert_array_equal(next(iter(cloud)).rows, [rows])
+    assert fingerprint(arm, capsule) != fingerprint(arm, cloud)
 
 
 def test_it_is_resumed_checked_and_refused_to_others(made, tmp_path):

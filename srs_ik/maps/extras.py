@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
+import copy
 import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.collision.scenes.scene import check_scene
 from srs_ik.errors import InvalidMap
+from srs_ik.maps.fingerprint import fingerprint
 from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, RATIO_ANGLE, RATIO_BRANCH, Task
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.optimise import optimise
@@ -34,8 +34,8 @@ class Around:
     """An arm in a scene, as workers get it."""
 
     arm: Arm  # the arm, with its bodies
-    scene: Scene  # what it must not touch
-    digest: str  # of both
+    scene: Scene  # what it must not touch, as it stood when this was made
+    digest: str  # their fingerprint
 
 
 class Asked(NamedTuple):
@@ -75,26 +75,8 @@ def around_of(arm: Arm, scene: Scene | None) -> Around | None:
     """
     if scene is None:
         return None
-    _surroundings_of(arm, scene)
-    return Around(arm, scene, scene_digest(arm, scene))
-
-
-def scene_digest(arm: Arm, scene: Scene) -> str:
-    """SHA-256 of all that collisions depend on: the objects and where they are, the arm's bodies, the margin."""
-    check_scene(scene)
-    digest = hashlib.sha256(f"{scene.exact} {scene.margin!r}".encode())
-    for thing in scene:
-        digest.update(repr((thing.name, thing.kinds, sorted(thing.replaces))).encode())
-        for each in (thing.T, *thing.rows):
-            digest.update(_whole(each))
-    for body in arm.bodies:
-        digest.update(repr((body.name, body.joint)).encode() + _whole(body.spheres))
-    return digest.hexdigest()
-
-
-def _whole(values: Array) -> bytes:
-    """Figures in whole nanometres: the last digits differ between machines."""
-    return np.rint(np.clip(values, -1e9, 1e9) * 1e9).astype("<i8").tobytes()
+    digest = fingerprint(arm, scene)
+    return Around(arm, copy.copy(scene), digest)
 
 
 _ready: dict[str, Surroundings] = {}
@@ -105,16 +87,12 @@ def surroundings(around: Around) -> Surroundings:
     """The arm in its scene, ready to be asked."""
     found = _ready.get(around.digest)
     if found is None:
-        found = _surroundings_of(around.arm, around.scene)
+        from srs_ik.solve.in_scene.surroundings import Surroundings
+
+        found = Surroundings(around.arm, around.arm.packed, around.scene, 0.0)
         _ready.clear()
         _ready[around.digest] = found
     return found
-
-
-def _surroundings_of(arm: Arm, scene: Scene) -> Surroundings:
-    from srs_ik.solve.in_scene.surroundings import Surroundings
-
-    return Surroundings(arm, arm.packed, scene, 0.0)
 
 
 def free_widths(around: Around, poses: Array) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import math
 import sys
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap, did_you_mean, quoted
 from srs_ik.kernels.layout.maps import MOST_ARCS
+from srs_ik.maps.fingerprint import fingerprint
 from srs_ik.maps.grid import MOST_POSITIONS, SIDE, Grid
 from srs_ik.maps.orientations import MOST as MOST_ORIENTATIONS
 from srs_ik.maps.orientations import Orientations
@@ -70,7 +70,7 @@ class Plan:
     orientations: Orientations  # orientations
     measures: tuple[str, ...]  # names of the measures
     arcs: int  # arcs of yaw that a cell may have; 0 for a box
-    scene: str | None = None  # digest of the scene that `free` is for
+    scene: str | None = None  # fingerprint of the arm in the scene that `free` is for
     task: Task | None = None  # directions of velocity and force that `ratio` is for, base frame
 
     @property
@@ -222,15 +222,6 @@ def robot_of(arm: Arm) -> dict[str, Any]:
         "fingerprint": fingerprint(arm),
         "description_sha256": _description(arm),
     }
-
-
-def fingerprint(arm: Arm) -> str:
-    """SHA-256 of all that answers depend on: axes, centres, tip with its tool, limits, reference of the arm angle."""
-    limb = arm.limb
-    figures = (limb.axes, limb.points, limb.T_base_tip_zero, arm.lower, arm.upper, limb.reference)
-    # In whole picometres and picoradians: the last digits differ between machines.
-    whole = [[None if not math.isfinite(x) else round(x * 1e12) for x in np.ravel(each).tolist()] for each in figures]
-    return hashlib.sha256(json.dumps(whole).encode()).hexdigest()
 
 
 def _description(arm: Arm) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import os
 from dataclasses import dataclass
@@ -14,9 +15,9 @@ from srs_ik.errors import InvalidMap, InvalidPose, quoted
 from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.kinematics import check_arm
-from srs_ik.maps.extras import scene_digest
+from srs_ik.maps.fingerprint import fingerprint
 from srs_ik.maps.placement import refuse_no_poses
-from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, fingerprint, whole
+from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, whole
 from srs_ik.maps.store import DONE, Store, folder_of
 from srs_ik.maps.tasks import compute, job_of
 from srs_ik.system.arrays import Array
@@ -117,7 +118,9 @@ class Map:
     """
 
     def __init__(self, store: Store, arm: Arm | None = None, scene: Scene | None = None) -> None:
-        self.store, self.plan, self.path, self.arm, self.scene = store, store.plan, store.path, arm, scene
+        self.store, self.plan, self.path, self.arm = store, store.plan, store.path, arm
+        # As it stands now: moved later, it is another one.
+        self.scene = copy.copy(scene)
         self._made = np.zeros(len(self.plan.blocks), bool)
         if arm is not None and fingerprint(arm) != self.plan.robot["fingerprint"]:
             robot = self.plan.robot
@@ -125,8 +128,10 @@ class Map:
                 f"{self.path} is a map of {robot['name']}, tip {robot['tip']}: {arm.name} with these limits and this "
                 "tool is another robot"
             )
-        if arm is not None and scene is not None and scene_digest(arm, scene) != self.plan.scene:
-            raise InvalidMap(f"{self.path} is no map of this scene, as it stands now and with these bodies of the arm")
+        if arm is not None and scene is not None and fingerprint(arm, scene) != self.plan.scene:
+            raise InvalidMap(
+                f"{self.path} is no map of this scene as it stands now, with these bodies and pairs of the arm"
+            )
 
     @property
     def done(self) -> float:
