@@ -26,7 +26,7 @@ from srs_ik.maps import (
     yaw_arcs,
 )
 from srs_ik.maps.plan import YAW
-from srs_ik.maps.tasks import in_base
+from srs_ik.maps.tasks import in_base, job_of, run_task
 from srs_ik.robot import changes
 
 pytest.importorskip("zarr")
@@ -420,6 +420,26 @@ def test_what_is_left_of_a_half_made_map_is_not_inside(tmp_path):
     np.testing.assert_array_equal(before.reached[before.inside], whole.reached[before.inside])
     assert not before.reached[~before.inside].any()
     np.testing.assert_array_equal(half.query(poses).inside, whole.inside)
+
+
+@pytest.mark.parametrize("step", [0.1, 0.25, 0.2])
+def test_a_folder_that_was_removed_takes_another_map_in_the_same_process(step, tmp_path):
+    arm, path = srs_ik.load("iiwa14"), tmp_path / "map.zarr"
+    first = build_map(arm, 0.2, path, orientations=72)
+    job = job_of(arm, first.plan)
+    shutil.rmtree(path)
+    second = build_map(arm, step, path, orientations=72)
+    other = build_map(arm, step, tmp_path / "other.zarr", orientations=72)
+    np.testing.assert_array_equal(second.measure("width"), other.measure("width"))
+    assert second.verify(50)
+    if step != 0.2:
+        # What is still at work on the first one leaves the second one alone.
+        with pytest.raises(srs_ik.InvalidMap, match="a map with another grid"):
+            run_task(job, str(path), 0)
+    shutil.rmtree(path)
+    with pytest.raises(srs_ik.InvalidMap, match="holds no map"):
+        run_task(job, str(path), 0)
+    assert not path.exists()
 
 
 @pytest.mark.parametrize("where", ["half-plane", "box"])

@@ -74,6 +74,15 @@ def folder_of(path: Any) -> Path:
     return Path(path)
 
 
+def identity_of(path: Path) -> tuple[int, int]:
+    """What tells a store from another one that is made in the same folder later; raises InvalidMap where none is."""
+    try:
+        made = (path / "zarr.json").stat()
+    except OSError:
+        raise InvalidMap(f"{path} holds no map") from None
+    return made.st_ino, made.st_mtime_ns
+
+
 class Store:
     """A map on disk: the folder at `path`, and the `plan` of what it holds."""
 

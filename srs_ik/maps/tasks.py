@@ -17,7 +17,7 @@ from srs_ik.kernels.layout import maps as at
 from srs_ik.maps.extras import Around, Asked, around_of, needs_postures, of_postures
 from srs_ik.maps.orientations import Orientations
 from srs_ik.maps.plan import MEASURES, YAW, Plan
-from srs_ik.maps.store import Store
+from srs_ik.maps.store import Store, identity_of, refuse_other
 from srs_ik.solve.reachable import free_first_joint, measured
 from srs_ik.system.arrays import Array
 
@@ -58,13 +58,17 @@ def run_task(job: Job, path: str, task: int, stop: Event | None = None) -> tuple
 
     Raises:
         CancelledError: it was told to stop before it was done; nothing is written then.
+        InvalidMap: the folder holds no map any more, or another one.
     """
     block = job.plan.block(task)
-    return task, _opened(path).write(task, block, compute(job, block, stop))
+    values = compute(job, block, stop)
+    store = _opened(path, identity_of(Path(path)))
+    refuse_other(store, job.plan)
+    return task, store.write(task, block, values)
 
 
 @lru_cache(maxsize=4)
-def _opened(path: str) -> Store:
+def _opened(path: str, _identity: tuple[int, int]) -> Store:
     return Store(Path(path), writable=True)
 
 
