@@ -87,6 +87,39 @@ def test_killed_at_any_moment_and_resumed_the_store_is_the_same(undisturbed, tmp
     assert not list(tmp_path.glob(".*"))
 
 
+def test_of_processes_that_start_together_one_makes_the_map_and_others_say_so(undisturbed, tmp_path):
+    path = tmp_path / "map.zarr"
+    started = [
+        subprocess.Popen([sys.executable, "-c", MAKE, str(path)], stderr=subprocess.PIPE, text=True) for _ in range(3)
+    ]
+    said = [(process.communicate(timeout=300.0)[1], process.returncode) for process in started]
+    assert any(code == 0 for _, code in said)
+    for words, code in said:
+        assert code == 0 or words.rstrip().endswith("is being made by another process just now: wait until it is done")
+    assert digests(path) == digests(undisturbed)
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_a_map_that_is_being_made_is_left_alone(undisturbed, tmp_path, monkeypatch):
+    arm, path, made = srs_ik.load("human_arm"), tmp_path / "map.zarr", build.create
+
+    def create(folder, plan):
+        made(folder, plan)  # another process was as fast
+        made(folder, plan)
+
+    def ask(*_):
+        with pytest.raises(InvalidMap, match=r"map\.zarr is being made by another process just now"):
+            build_map(arm, 0.04, path, orientations=576)
+        asked.append(1)
+
+    asked = []
+    monkeypatch.setattr(build, "create", create)
+    build_map(arm, 0.04, path, orientations=576, progress=ask)
+    assert asked
+    build_map(arm, 0.04, path, orientations=576)
+    assert digests(path) == digests(undisturbed)
+
+
 def cluster(folder: Path, workers: int) -> dict[str, list[subprocess.Popen]]:
     """A scheduler and its workers, each a process of its own."""
     pytest.importorskip("distributed")

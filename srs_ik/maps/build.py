@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 import warnings
@@ -21,7 +22,7 @@ from srs_ik.maps.extras import around_of, task_of
 from srs_ik.maps.grid import Grid, box, half_plane
 from srs_ik.maps.orientations import orientations_of
 from srs_ik.maps.plan import Plan, arcs_of, checked_measures, robot_of, whole
-from srs_ik.maps.store import Store, clear_leftovers, create, folder_of, refuse_other
+from srs_ik.maps.store import Store, clear_leftovers, create, folder_of, held, refuse_other
 from srs_ik.maps.tasks import Job, in_base, job_of, measures_at, run_task
 from srs_ik.solve.threads import checked_threads, processors
 
@@ -136,8 +137,8 @@ def build_map(
         progress: called with the cells that are done and all cells, after each task that is found whole or made.
 
     Raises:
-        InvalidMap: the arguments fit no map, the folder holds another one or cannot be written, or a cluster has no
-            worker after 30 s.
+        InvalidMap: the arguments fit no map, another process makes it just now, the folder holds another one or cannot
+            be written, or a cluster has no worker after 30 s.
         InvalidConfiguration: `threads` is no positive integer.
         InvalidScene: this is no scene.
         NoBodies: with a scene, no shapes of the arm are at hand.
@@ -152,12 +153,20 @@ def build_map(
         raise InvalidMap(f"client is a dask.distributed.Client, not {quoted(client)}")
     more: dict[str, Any] = {"measures": measures, "scene": scene, "velocity": velocity, "force": force}
     plan = plan_map(arm, step, orientations=orientations, box_bounds=box, **more)
-    if folder.exists():
-        refuse_other(Store(folder), plan)
-    clear_leftovers(folder)
     if not folder.exists():
-        create(folder, plan)
-    sizes, done = [_size(block) * len(plan.orientations) for block in plan.blocks], 0
+        with contextlib.suppress(FileExistsError):
+            create(folder, plan)
+    refuse_other(Store(folder), plan)
+    with held(folder):
+        clear_leftovers(folder)
+        _make(job_of(arm, plan, scene), folder, client, threads, progress)
+    return open_map(folder, arm, scene)
+
+
+def _make(job: Job, folder: Path, client: Any, threads: int | None, progress: Progress | None) -> None:
+    """Make what is left to be made of a map."""
+    plan, done = job.plan, 0
+    sizes = [_size(block) * len(plan.orientations) for block in plan.blocks]
 
     def tell(task: int) -> None:
         nonlocal done
@@ -165,11 +174,10 @@ def build_map(
         if progress is not None:
             progress(done, plan.cells)
 
-    job, left = job_of(arm, plan, scene), _left(Store(folder, writable=True), tell)
+    left = _left(Store(folder, writable=True), tell)
     _warm(job)
     for task in _by_threads(job, folder, left, threads) if client is None else _by_dask(client, job, folder, left):
         tell(task)
-    return open_map(folder, arm, scene)
 
 
 def _left(store: Store, tell: Callable[[int], None]) -> list[int]:
@@ -188,7 +196,7 @@ def _left(store: Store, tell: Callable[[int], None]) -> list[int]:
             store.forget(task)
     if damaged:
         said = f"{store.path}: {len(damaged)} of {len(done)} tasks that were done are damaged, and made again"
-        warnings.warn(said, UserWarning, stacklevel=3)
+        warnings.warn(said, UserWarning, stacklevel=4)
     return np.flatnonzero(store.records() == 0).tolist()
 
 

@@ -8,11 +8,13 @@ written whole and then renamed.
 from __future__ import annotations
 
 import contextlib
+import errno
+import fcntl
 import os
 import shutil
 import uuid
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -161,6 +163,7 @@ def create(path: Path, plan: Plan) -> None:
     """Make an empty store, whole or not at all.
 
     Raises:
+        FileExistsError: there is something at that path, perhaps of another process, and made meanwhile.
         InvalidMap: it cannot be written.
     """
     zarr = zarr_module()
@@ -171,9 +174,35 @@ def create(path: Path, plan: Plan) -> None:
         _fill(zarr, partial, plan)
         partial.rename(path)
     except OSError as error:
+        if path.exists():
+            raise FileExistsError(errno.EEXIST, "there is something already", str(path)) from None
         raise InvalidMap(f"{path} cannot be written: {error.strerror or error}") from None
     finally:
         shutil.rmtree(partial, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def held(path: Path) -> Iterator[None]:
+    """Hold a store while a map is made in it, against others on this machine; whoever is killed lets go of it.
+
+    Raises:
+        InvalidMap: another process, or another thread, makes it just now.
+    """
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InvalidMap(f"{path} is being made by another process just now: wait until it is done") from None
+        except OSError:
+            # A file system without locks: what is written twice is written alike.
+            pass
+        yield
+    finally:
+        # Closing is not enough: a child that was forked meanwhile has the folder open, too.
+        with contextlib.suppress(OSError):
+            fcntl.flock(folder, fcntl.LOCK_UN)
+        os.close(folder)
 
 
 def _form_of(plan: Plan, name: str) -> tuple[tuple[int, ...], str, tuple[int, ...]]:
