@@ -24,6 +24,27 @@ class Refusing:
         raise RuntimeError("no array")
 
 
+MASKED = {
+    "pose": lambda arm, poses, q: arm.solve(poses[1]),
+    "poses": lambda arm, poses, q: arm.solve_batch(poses),
+    "reachable": lambda arm, poses, q: arm.reachable_batch(poses),
+    "path": lambda arm, poses, q: arm.solve_path(poses),
+    "q": lambda arm, poses, q: arm.forward_kinematics(q[1]),
+    "seed": lambda arm, poses, q: arm.solve(poses.data[1], seed=q[1]),
+    "many q": lambda arm, poses, q: arm.forward_kinematics_batch(q),
+}
+
+
+@pytest.mark.parametrize("what", MASKED)
+def test_what_a_masked_array_hides_is_no_figure(arm, what):
+    q = np.ma.masked_array(np.tile(Q, (3, 1)), mask=np.zeros((3, 7), bool))
+    poses = np.ma.masked_array(arm.forward_kinematics_batch(q), mask=np.zeros((3, 4, 4), bool))
+    MASKED[what](arm, poses, q)
+    q[1, 2] = poses[1, 0, 3] = np.ma.masked
+    with pytest.raises(srs_ik.SrsIkError, match="not finite numbers"):
+        MASKED[what](arm, poses, q)
+
+
 @pytest.fixture(scope="module")
 def arm():
     return arms.load("iiwa14")

@@ -26,7 +26,7 @@ def is_plain(values: Any) -> TypeGuard[Array]:
 
 
 def real_array(values: Any) -> Array:
-    """A new C-ordered array of floats.
+    """A new C-ordered array of floats; what a masked array hides is NaN.
 
     Raises:
         TypeError: not numbers, or complex ones, whose imaginary part NumPy would drop.
@@ -36,7 +36,10 @@ def real_array(values: Any) -> Array:
         raw = np.asarray(values)
         if raw.dtype.kind not in _REAL:
             raise TypeError(f"not real numbers, but {raw.dtype}")
-        return np.array(raw, dtype=np.float64, order="C")
+        array = np.array(raw, dtype=np.float64, order="C")
+        if isinstance(values, np.ma.MaskedArray):
+            array[np.ma.getmaskarray(values)] = np.nan
+        return array
     except (TypeError, ValueError):
         raise
     except Exception as error:  # OverflowError, and those of the object's own making
