@@ -36,6 +36,33 @@ def assert_same(one, other):
         assert a.tobytes() == b.tobytes(), field
 
 
+def test_many_answers_have_no_truth_value():
+    """`if batch:` would be true where nothing is solved."""
+    arm, far = arms.load("iiwa14"), np.eye(4)
+    far[:3, 3] = 9.0
+    assert not arm.solve(far)
+    for poses in ([far, far], np.empty((0, 4, 4))):
+        for batch in (arm.solve_batch(poses), arm.solve_batch(poses, 0.3, all_branches=True)):
+            with pytest.raises(TypeError, match=r"\.ok\.all\(\)"):
+                bool(batch)
+            assert not batch.ok.any()
+        with pytest.raises(TypeError, match="counts"):
+            bool(arm.intervals_batch(poses))
+    assert not arm.solve_path([far, far])
+
+
+def test_messages_are_read_when_they_are_printed():
+    _, poses = poses_of("iiwa14")
+    batch = arms.load("iiwa14").solve_batch(poses)
+    lines = str(batch.message).splitlines()
+    assert lines[0] == f"Messages of {COUNT} answers"
+    assert lines[1:6] == [f"{k}: {batch[k].message}" for k in range(5)]
+    assert lines[6] == "..."
+    assert lines[7:] == [f"{k}: {batch[k].message}" for k in range(COUNT - 5, COUNT)]
+    few = arms.load("iiwa14").solve_batch(poses[:1], 0.3, all_branches=True).message
+    assert repr(few).splitlines()[1:] == [f"0, {k}: {few(0, k)}" for k in range(8)]
+
+
 def options_of(name, q):
     rng = arms.generator(name, 53)
     angles, seeds = rng.uniform(-4.0, 4.0, len(q)), q + rng.uniform(-1.0, 1.0, q.shape)

@@ -73,6 +73,9 @@ class IntervalsBatch:
         """(M,) length of each interval, rad."""
         return self.upper - self.lower
 
+    def __bool__(self) -> bool:
+        raise TypeError("the intervals of many poses have no truth value: their counts have one for each")
+
     def __len__(self) -> int:
         return len(self.offsets) - 1
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, overload
@@ -12,6 +13,10 @@ from numpy.typing import NDArray
 from srs_ik.kernels.layout import answer as at
 from srs_ik.solve.solution import Collision, ElbowRange, Solution, Status
 from srs_ik.system.arrays import Array
+
+
+SHOWN = 5
+"""Messages that are printed of either end of many."""
 
 
 class _Rows:
@@ -123,7 +128,10 @@ class Solutions(_Rows, Sequence[Solution]):
 
 
 class BatchSolution(_Rows):
-    """Answers to N poses: every field of `Solution` as an array over N, or over (N, 8) with all branches."""
+    """Answers to N poses: every field of `Solution` as an array over N, or over (N, 8) with all branches.
+
+    It has no truth value: ``batch.ok.all()`` and ``batch.ok.any()`` say what is meant.
+    """
 
     def __init__(
         self,
@@ -156,6 +164,9 @@ class BatchSolution(_Rows):
         whole = {int(numbers[place]): hit for place, hit in self.collisions.items()}
         part = numbers[index]
         return {place: whole[int(k)] for place, k in np.ndenumerate(part) if int(k) in whole}
+
+    def __bool__(self) -> bool:
+        raise TypeError("many answers have no truth value: write .ok.all() or .ok.any(), or test one of them")
 
     @cached_property
     def solved(self) -> int:
@@ -202,3 +213,14 @@ class Messages:
 
     def __iter__(self) -> Iterator[Any]:
         return (self[k] for k in range(len(self)))
+
+    def __repr__(self) -> str:
+        shape = self._answers._rows.shape[:-1]
+        count = math.prod(shape)
+        # `range` ends in its last ones without listing those between.
+        numbers = [*range(count)[:SHOWN], *range(count)[SHOWN:][-SHOWN:]]
+        places = [tuple(map(int, np.unravel_index(k, shape))) for k in numbers]
+        lines = [f"{', '.join(map(str, place))}: {self(*place)}" for place in places]
+        if count > len(lines):
+            lines.insert(SHOWN, "...")
+        return "\n".join([f"Messages of {count} answers", *lines])
