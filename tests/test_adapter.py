@@ -66,6 +66,22 @@ def test_limits_tool_and_mount_of_an_adapter(arm_file, tmp_path):
     np.testing.assert_allclose(arm.forward_kinematics(np.zeros(7)).translation, expected, atol=1e-14)
 
 
+def test_frames_of_an_adapter_are_numbered_where_the_robot_has_their_names(tmp_path):
+    """Many descriptions begin with a link "world", such as Kinova's of the Gen3."""
+    ends = joint_xml("stand", "world", "l0", "fixed") + joint_xml("flange", "l7", "tool", "fixed")
+    path, adapter = tmp_path / "arm.urdf", tmp_path / "robot.toml"
+    path.write_text(f'<robot name="my arm">{serial_arm()}<link name="world"/><link name="tool"/>{ends}</robot>')
+    write_adapter(adapter, path, srs_ik.load(path))
+    text = adapter.read_text() + "[mount]\nxyz = [1, 2, 3]\n[tool]\nxyz = [0, 0, 0.1]\n"
+    adapter.write_text(text)
+    arm = srs_ik.load(adapter)
+    assert (arm.base, arm.tip) == ("world_2", "tool_2")
+    adapter.write_text(text + 'name = "world"\n')
+    with pytest.raises(InvalidRobot, match=r"has a frame 'world' already; .* in an adapter name of \[tool\] or \[mount"):
+        srs_ik.load(adapter)
+    assert '# name = "table"' in text
+
+
 def test_gravity_of_the_room_an_arm_is_mounted_in(arm_file, tmp_path):
     adapter = tmp_path / "robot.toml"
     write_adapter(adapter, arm_file, srs_ik.load(arm_file))

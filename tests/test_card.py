@@ -93,7 +93,7 @@ dof = "7"
 [hand]"""
     card = read_card(toy("[hand]", more))
     assert card.limits == {"j1": {"lower": -1, "upper": np.inf}}
-    assert card.tool == Placement((0.0, 0.0, 0.1), (0.0, 0.0, 0.0), "tool")
+    assert card.tool == Placement((0.0, 0.0, 0.1), (0.0, 0.0, 0.0))
     assert card.mount == Placement((0.0, 0.0, 0.0), (0.0, 1.5, 0.0), "table")
     assert card.xacro == {"dof": "7"}
 

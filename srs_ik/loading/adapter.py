@@ -127,8 +127,10 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
         lines += [f"{_string(key)} = {_string(value)}" for key, value in xacro_args.items()]
     lines += ["", "# A tool that the description lacks, in the tip frame (metres, and radians as in a URDF):"]
     lines += ["# [tool]", "# xyz = [0.0, 0.0, 0.1]", "# rpy = [0.0, 0.0, 0.0]"]
+    lines += ['# name = "gripper"  # of the new tip frame; without it "tool", or "tool_2" where the robot has that']
     lines += ["", "# Where the base frame stands in the room:"]
     lines += ["# [mount]", "# xyz = [0.0, 0.0, 0.0]", "# rpy = [0.0, 0.0, 0.0]"]
+    lines += ['# name = "table"  # of the new base frame; without it "world", or "world_2" where the robot has that']
     lines += ["# gravity = [0.0, 0.0, -9.81]  # in the room, m/s^2; without it, gravity turns with the arm"]
     lines += ["", "# Limits as they are read, to be corrected (rad, rad/s, N m; inf for none):", "# [limits]"]
     for k, joint in enumerate(arm.joint_names):

@@ -53,13 +53,13 @@ class Placement:
     Attributes:
         xyz: metres.
         rpy: angles about the fixed x, then y, then z axis, rad.
-        name: name of the frame that it places.
+        name: name of the frame that it places; "tool" or "world" if None, numbered where the robot has that.
         gravity: its acceleration in the frame around a mount, m/s^2; as it is in the description if None.
     """
 
     xyz: Vector
     rpy: Vector
-    name: str
+    name: str | None = None
     gravity: Vector | None = None
 
 
@@ -157,8 +157,8 @@ class _Reader:
             limits=self._limits(content),
             locked=self._locked(content),
             xacro=self._xacro(content),
-            tool=self._placement(content, "tool", "tool"),
-            mount=self._placement(content, "mount", "world", ("gravity",)),
+            tool=self._placement(content, "tool"),
+            mount=self._placement(content, "mount", ("gravity",)),
             sources=self._sources(content),
         )
         if card.grasp and card.pronosupination:
@@ -199,7 +199,7 @@ class _Reader:
         arguments = self._group(content, "xacro")
         return MappingProxyType({key: self._text(arguments, key, "xacro") for key in arguments})
 
-    def _placement(self, content: dict[str, Any], key: str, name: str, more: tuple[str, ...] = ()) -> Placement | None:
+    def _placement(self, content: dict[str, Any], key: str, more: tuple[str, ...] = ()) -> Placement | None:
         if key not in content:
             return None
         table = self._table(content, key, (), ("xyz", "rpy", "name", *more))
@@ -210,7 +210,7 @@ class _Reader:
         gravity = self._three(table["gravity"], f"'gravity' in [{key}]") if "gravity" in table else None
         if gravity is not None and max(map(abs, gravity)) > bounds.FARTHEST:
             raise self._error(f"'gravity' in [{key}] is in m/s^2, and none of it is beyond {bounds.FARTHEST:g}")
-        return Placement(xyz, rpy, self._text(table, "name", key) if "name" in table else name, gravity)
+        return Placement(xyz, rpy, self._text(table, "name", key) if "name" in table else None, gravity)
 
     def _sources(self, content: dict[str, Any]) -> Mapping[str, Source]:
         groups = self._group(content, "sources")

@@ -182,7 +182,8 @@ def _add_frame(model: Any, joint: int, parent: int, placement: Any, name: str | 
     elif not isinstance(name, str) or not name:
         raise InvalidRobot(f"the name of a frame is text, not {quoted(name)}", model.name)
     elif name in taken:
-        raise InvalidRobot(f"{model.name!r} has a frame {name!r} already; choose another name", model.name)
+        where = "name= of with_tool or with_base, or in an adapter name of [tool] or [mount]"
+        raise InvalidRobot(f"{model.name!r} has a frame {name!r} already; choose another name: {where}", model.name)
     return name, model.addFrame(pin.Frame(name, joint, parent, placement, pin.FrameType.OP_FRAME))
 
 
