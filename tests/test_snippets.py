@@ -16,6 +16,8 @@ import numpy as np
 import pytest
 from command_line import run
 
+import srs_ik
+
 ROOT = Path(__file__).resolve().parents[1]
 FENCE = re.compile(
     r"(?:^<!-- (?P<mark>.+?) -->\n)?^```(?P<language>python|bash)\n(?P<code>.+?)^```", re.DOTALL | re.MULTILINE
@@ -101,6 +103,20 @@ def test_blocks_of_the_ellipsoids_draw_what_they_say(folder):
     names = run_page("docs/ellipsoids.md")
     assert names["velocity"].rank == names["strong"].rank == 3
     assert {path.name for path in folder.glob("*.png")} == {"ellipsoids.png", "arm_angle.png", "intervals.png"}
+
+
+def test_weighted_differences_of_joints_without_end_are_those_of_the_nearest_turn(folder):
+    """The recipe of Coming from another solver, on an arm whose joints pass pi: with equal weights it is `seed=`."""
+    names = run_page("docs/coming_from.md")
+    arm = names["arm"] = srs_ik.load("gen3")
+    rng = np.random.default_rng(7)
+    for turns in (0.0, 0.0, 6.0, -8.0):
+        endless = np.isinf(arm.upper)
+        seed = names["seed"] = np.where(endless, np.pi * (1.0 + turns), 0.9) + rng.uniform(-0.1, 0.1, 7)
+        pose = arm.forward_kinematics(seed + rng.uniform(-0.15, 0.15, 7))
+        best = arm.optimise(pose, lambda q: np.sum(names["away"](q) ** 2))
+        nearest = arm.solve(pose, seed=seed)
+        np.testing.assert_allclose(seed + names["away"](best.q), nearest.q, rtol=0.0, atol=1e-3)
 
 
 def test_a_block_that_fails_is_not_passed_over(folder, monkeypatch):
