@@ -48,6 +48,13 @@ def test_the_tables_show_the_figures_of_the_json():
     assert f"manipulability {found['manipulability']:.6g} m^3, isotropy {found['isotropy']:.6g}" in text
 
 
+def test_manipulability_is_said_to_be_without_limits():
+    """Beside semi-axes within limits, whose product is another figure."""
+    plain, weighed = (run("ellipsoids", "gen3", "--q", *Q, *more).stdout for more in ([], ["--limits"]))
+    (line,) = (line for line in plain.splitlines() if line.startswith("manipulability"))
+    assert f"of joint velocities of 1 rad/s, without limits: {line}" in weighed.splitlines()
+
+
 def test_a_singular_posture_is_called_flat_and_unbounded():
     zero = ["ellipsoids", "iiwa14", "--q", *"0000000"]
     text = run(*zero).stdout

@@ -207,7 +207,9 @@ def force_transmission(
 
 
 def manipulability(J: ArrayLike, part: Part = "full") -> Any:
-    """Manipulability sqrt(det JJ') of T. Yoshikawa: the product of the semi-axes of the velocity ellipsoid.
+    """Manipulability sqrt(det JJ') of T. Yoshikawa: the product of the semi-axes of the ellipsoid without limits.
+
+    That is of `velocity_ellipsoid` of joint velocities of norm 1 rad/s; with limits the product is ``radii.prod()``.
 
     Args:
         J: (6, 7) Jacobian, or (N, 6, 7) of them.
@@ -223,7 +225,7 @@ def manipulability(J: ArrayLike, part: Part = "full") -> Any:
 
 
 def isotropy(J: ArrayLike, part: Part = "linear") -> Any:
-    """Smallest semi-axis of the velocity ellipsoid over the largest: 1 for a sphere, 0 where singular.
+    """Smallest semi-axis of the velocity ellipsoid without limits over the largest: 1 for a sphere, 0 where singular.
 
     Args:
         J: (6, 7) Jacobian, or (N, 6, 7) of them.

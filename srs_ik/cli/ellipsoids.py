@@ -69,7 +69,8 @@ def ellipsoids(
 
     They are those of joint velocities of norm 1 rad/s and of joint torques of norm 1 N m, or with --limits of joints
     at their limits. A singular direction is one along which the tip cannot move: the velocity ellipsoid is flat there,
-    and the force ellipsoid unbounded.
+    and the force ellipsoid unbounded. Manipulability and isotropy are those of joint velocities of norm 1 rad/s, with
+    --limits too.
     """
     if q is None:
         raise WrongInput(f"give the joint angles: --q {JOINTS}")
@@ -166,7 +167,8 @@ def _print(
             out.print(f"along ({' '.join(f'{x:g}' for x in direction)}): {_figure(ratio)} {ellipsoid.unit}")
         out.print()
     unit = {"linear": " m^3", "angular": "", "full": " m^3"}[answer["part"]]
-    out.print(f"manipulability {answer['manipulability']:.6g}{unit}, isotropy {answer['isotropy']:.6g}")
+    whose = "of joint velocities of 1 rad/s, without limits: " if answer["limits"] else ""
+    out.print(f"{whose}manipulability {answer['manipulability']:.6g}{unit}, isotropy {answer['isotropy']:.6g}")
     for body in bodies:
         out.print()
         _print_polytope(out, body, R)
