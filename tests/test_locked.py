@@ -120,7 +120,8 @@ def test_joints_that_cannot_be_at_zero_are_told_where_they_count():
         srs_ik.load(body(lowest=0.2), base="floor", locked={"lift": 0.2})
     (report,) = srs_ik.find_limbs(body(lowest=0.2), locked={"lift": 0.2})
     assert (report.note, report.locked, report.locked_at) == ("", ("lift", "waist", "turn"), {"lift": 0.2})
-    assert report.describe().endswith("; locked on the way to it: lift at 0.2, waist, turn.")
+    assert report.describe().endswith("; carried by joints on which no pose depends: lift at 0.2, waist, turn.")
+    assert report.carried_by == report.locked
 
 
 def test_joints_between_the_arm_and_its_tip_that_stand_still_are_told():
@@ -150,7 +151,13 @@ def test_adapters_and_the_command_line_lock_joints_too(tmp_path, model):
     np.testing.assert_allclose(answer("fk", str(file), "--q", *Q, *lock)["T_base_tip"], expected, atol=1e-12)
     (shown,) = answer("inspect", str(file), *lock, "--write", str(adapter))["limbs"]
     assert (shown["locked"], shown["locked_at"]) == (["lift", "waist", "turn"], {"lift": 0.3, "waist": -0.7})
-    assert "locked on the way to it: lift at 0.3, waist at -0.7, turn\n" in run("inspect", str(file), *lock).stdout
+    assert "locked between base and tip: lift at 0.3, waist at -0.7, turn\n" in run("inspect", str(file), *lock).stdout
+    lock[lock.index("floor")] = "torso"
+    (shown,) = answer("inspect", str(file), *lock)["limbs"]
+    assert (shown["locked"], shown["carried_by"]) == (["lift", "waist", "turn"], ["lift"])
+    said = run("inspect", str(file), *lock).stdout
+    assert "locked between base and tip: waist at -0.7, turn\n" in said
+    assert "carried by joints on which no pose depends: lift at 0.3\n" in said
     assert srs_ik.load(adapter).locked == arm.locked
     np.testing.assert_allclose(answer("fk", str(adapter), "--q", *Q)["T_base_tip"], expected, atol=1e-12)
     again = srs_ik.load(adapter, locked={"waist": 0.1})

@@ -482,4 +482,4 @@ def test_of_more_than_seven_joints_those_of_the_limb_are_taken_and_the_others_sa
     assert model.nq == 8
     (report,) = srs_ik.find_limbs(xml)
     assert report.locked == ("j0",)
-    assert report.describe().endswith("; locked on the way to it: j0.")
+    assert report.describe().endswith("; carried by joints on which no pose depends: j0.")

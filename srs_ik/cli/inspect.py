@@ -152,6 +152,7 @@ def _accepted(arm: Arm, report: LimbReport | None) -> dict[str, Any]:
         "reason": "",
         "note": report.note if report else "",
         "locked": locked,
+        "carried_by": [name for name in locked if name not in arm.still_joints],
         "locked_at": {name: at for name, at in arm.locked.items() if name in locked},
         "frames": [name for name in (report.tip, *report.frames) if name != arm.tip] if report else [],
         "joint_names": list(arm.joint_names),
@@ -212,7 +213,7 @@ def _print_refused(out: Console, finding: dict[str, Any], chain: str) -> None:
 def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     from srs_ik.cli.render import direction, fixed, table
     from srs_ik.errors import listed
-    from srs_ik.robot.candidates import places_of
+    from srs_ik.robot.candidates import told_of_locked
 
     names, misses = finding["joint_names"], finding["misses_mm"]
     chain = f"{finding['base'] or '?'} -> {finding['tip'] or '?'}"
@@ -223,8 +224,8 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     out.print(f"{chain}: {finding['kind']} S-R-S arm, {finding['wrist_kind']} wrist")
     if finding["note"]:
         out.print(finding["note"])
-    if finding["locked"]:
-        out.print(f"locked on the way to it: {places_of(finding['locked'], finding['locked_at'])}")
+    for clause in told_of_locked(finding["locked"], finding["locked_at"], finding["carried_by"]):
+        out.print(clause)
     if finding["frames"]:
         out.print(f"other frames on its last joint, for --tip: {listed(finding['frames'])}")
     lengths = [

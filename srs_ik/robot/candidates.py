@@ -44,6 +44,7 @@ class LimbReport:
         locked: names of the other moving joints between the root of the robot and the tip, from the root outwards; an
             arm has them fixed.
         locked_at: where those are that are not fixed at their neutral position, rad or m.
+        carried_by: those of `locked` that are not between base and tip: poses do not depend on where they stand.
         frames: names of other frames that joint 7 carries, links and MJCF sites, each of which may be the tip.
         note: which chains that share joints with it were set aside in its favour or, if refused, where it forks on its
             way, as an arm of six joints does with the fingers of its gripper; which limits look like degrees, or let a
@@ -65,6 +66,7 @@ class LimbReport:
     note: str = ""
     locked_at: Mapping[str, float] = field(default_factory=dict)
     frames: tuple[str, ...] = ()
+    carried_by: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -87,9 +89,9 @@ class LimbReport:
         if self.kind == "near":
             lengths.append(f"axes miss their centres by up to {self.misses_mm.max():.3f} mm")
         article = "an exact" if self.kind == "exact" else "a near"
-        locked = f"; locked on the way to it: {places_of(self.locked, self.locked_at)}" if self.locked else ""
-        note = f"; {self.note}" if self.note else ""
-        return f"{ends} is {article} S-R-S limb with {self.wrist_kind} wrist, {', '.join(lengths)}{locked}{note}."
+        locked = told_of_locked(self.locked, self.locked_at, self.carried_by)
+        more = "".join(f"; {clause}" for clause in (*locked, *[self.note] * bool(self.note)))
+        return f"{ends} is {article} S-R-S limb with {self.wrist_kind} wrist, {', '.join(lengths)}{more}."
 
     def explain(self) -> str:
         """The reason of a refusal with the joints' names and millimetres in it; empty if it is a limb."""
@@ -123,6 +125,7 @@ def examine(
     reference = description.reference if base == description.base else None
     found = recognise(lines.axes, lines.points, lines.T_base_tip_zero, reference)
     locked = [k for k in skeleton.path(skeleton.joint_of(tip)) if k not in joints]
+    between = skeleton.joints_between(base, tip)
     report = LimbReport(
         base=base,
         tip=tip,
@@ -140,6 +143,7 @@ def examine(
             name: x for name in map(skeleton.joint_names.__getitem__, locked) if (x := description.locked.get(name))
         },
         frames=tuple(name for name in skeleton.frames_on(joints[-1]) if name != tip),
+        carried_by=tuple(skeleton.joint_names[k] for k in locked if k not in between),
     )
     return Candidate(tuple(joints), report)
 
@@ -185,9 +189,17 @@ def with_oddities_noted(description: Description, skeleton: Skeleton, candidate:
     return replace(report, note="; ".join([report.note] * bool(report.note) + said))
 
 
-def places_of(names: Sequence[str], positions: Mapping[str, float]) -> str:
-    """Names of locked joints, each with where it is locked, unless that is its neutral position."""
-    return ", ".join(f"{name} at {positions[name]:g}" if positions.get(name) else name for name in names)
+def told_of_locked(locked: Sequence[str], positions: Mapping[str, float], carried_by: Collection[str]) -> list[str]:
+    """Clauses on locked joints, each with where it is locked, unless that is its neutral position."""
+    between = [name for name in locked if name not in carried_by]
+    clauses = []
+    for words, names in (
+        ("locked between base and tip: ", between),
+        ("carried by joints on which no pose depends: ", [name for name in locked if name in carried_by]),
+    ):
+        places = ", ".join(f"{name} at {positions[name]:g}" if positions.get(name) else name for name in names)
+        clauses += [words + places] if names else []
+    return clauses
 
 
 def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector, allowed_mm: float) -> str:
