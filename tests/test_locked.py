@@ -142,6 +142,24 @@ def test_a_joint_that_mimics_a_locked_one_is_asked_for():
     assert srs_ik.load(xml, locked={"lift": 0.1, "second": 0.1}, tip="l7").locked == {"lift": 0.1, "second": 0.1}
 
 
+def test_a_joint_that_is_locked_beside_the_one_that_it_mimics_is_told():
+    slide = joint("second", "l7", "plate", "prismatic", "0 0 1", 0.0, 1.0, '<mimic joint="lift"/>')
+    xml = body().replace("</robot>", slide + "</robot>")
+    with pytest.warns(UserWarning, match=r"^'second' is locked at 0\.1 and mimics lift, which is not locked: give"):
+        srs_ik.load(xml, tip="l7", locked={"second": 0.1})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        srs_ik.load(xml, tip="l7", locked={"lift": 0.1, "second": 0.1})
+
+
+def test_joints_locked_in_degrees_are_asked_about():
+    with pytest.warns(UserWarning, match=r"^locked is in radians, and joint 'turn' is given 90, .*degrees\?$"):
+        srs_ik.load(body(), locked={"turn": 90})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        srs_ik.load(body(), locked={"turn": 6.2, "lift": 0.5})
+
+
 def test_adapters_and_the_command_line_lock_joints_too(tmp_path, model):
     file, adapter = tmp_path / "body.urdf", tmp_path / "robot.toml"
     file.write_text(body())

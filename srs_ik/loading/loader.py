@@ -201,7 +201,8 @@ def _standing(description: Description, locked: Any) -> Description:
     if locked is None:
         return description
     robot = description.robot
-    return replace(description, locked={**description.locked, **as_locked(locked, robot.model, robot.mimic_joints)})
+    together = {**description.locked, **locked} if isinstance(locked, Mapping) else locked
+    return replace(description, locked=as_locked(together, robot.model, robot.mimic_joints))
 
 
 def _skeleton(description: Description) -> Skeleton:

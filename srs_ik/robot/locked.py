@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
+from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted, warn_caller
 from srs_ik.inputs.numbers import real_number
 from srs_ik.robot.limb import Vector
 from srs_ik.robot.skeleton import is_prismatic, is_revolute, limits_of
@@ -18,7 +18,9 @@ ROUNDING = 1e-9
 
 
 def as_locked(locked: Any, model: Any, follows: Mapping[str, str]) -> dict[str, float]:
-    """Positions of joints by name, rad or m, checked.
+    """Positions of joints by name, rad or m, checked; a warning tells of those that look like degrees.
+
+    A joint that follows another one is warned of, too, where that one is not locked: its leader may be of the arm.
 
     Args:
         locked: what was given, a mapping.
@@ -38,6 +40,10 @@ def as_locked(locked: Any, model: Any, follows: Mapping[str, str]) -> dict[str, 
         ]
         if left:
             raise InvalidRobot(f"{left[0]!r} mimics {name!r}, which is locked: give its position too")
+        clause = follows.get(name, "")
+        if clause.startswith("mimics ") and clause not in {f"mimics {leader}" for leader in found}:
+            said = f"{name!r} is locked at {found[name]:g} and {clause}, which is not locked"
+            warn_caller(f"{said}: give its position too")
     return found
 
 
@@ -57,6 +63,9 @@ def _position(model: Any, name: Any, value: Any) -> float:
     lower, upper = limits_of(model, joint)
     if not lower - ROUNDING <= position <= upper + ROUNDING:
         raise InvalidRobot(f"joint {name!r} goes from {lower:g} to {upper:g} and cannot be locked at {position:g}")
+    if is_revolute(joint) and abs(position) > 2.0 * np.pi:
+        said = f"locked is in radians, and joint {name!r} is given {position:g}, more than a turn"
+        warn_caller(f"{said}: are these degrees?")
     return position
 
 

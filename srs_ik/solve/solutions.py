@@ -14,7 +14,6 @@ from srs_ik.kernels.layout import answer as at
 from srs_ik.solve.solution import Collision, ElbowRange, Solution, Status
 from srs_ik.system.arrays import Array
 
-
 SHOWN = 5
 """Messages that are printed of either end of many."""
 
