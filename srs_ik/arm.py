@@ -65,6 +65,7 @@ class Arm(BodyOwner):
         velocity_limit: (7,) rad/s; inf where the description gives none.
         effort_limit: (7,) N m; inf where the description gives none.
         model: `pinocchio.Model` of the 7 joints.
+        held_mass: mass of what the hand holds, which `model` has with joint 7, kg; 0 where none was given.
         locked: where other joints of the robot stand that were not locked at zero, by name, rad or m.
         limb: the recognised limb.
         hand: axes of the hand, where known.
@@ -809,8 +810,9 @@ class Arm(BodyOwner):
             raise NotAnSrsLimb(f"moved, {self.name} is no S-R-S limb: {found.reason}", self.joint_names)
         return type(self)(chain, found.limb, self.name, hand, self.drawing, self.plan)
 
-    def _planned(self, plan: BodyPlan) -> Self:
-        return type(self)(self._chain, self.limb, self.name, self.hand, self.drawing, plan)
+    def _planned(self, plan: BodyPlan, load: Any = None) -> Self:
+        chain = self._chain if load is None else changes.with_load(self._chain, load)
+        return type(self)(chain, self.limb, self.name, self.hand, self.drawing, plan)
 
     def _asked(self, scene: Scene | None, margin: float) -> InLimits | InScene:
         """Who answers questions: within the limits alone, or in a scene."""

@@ -49,10 +49,11 @@ class ChainKinematics(Fixed):
         effort_limit: (7,) N m; inf where the description gives none.
         model: `pinocchio.Model` of the 7 joints. Its root need not be `base`: poses here are those of
             `oMf[base].inverse() * oMf[tip]`.
+        held_mass: mass of what the hand holds, which `model` has with joint 7, kg; see `Arm.with_object`.
     """
 
     _fixed = frozenset(
-        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "model")
+        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "model", "held_mass")
     )
 
     def __init__(self, chain: Chain, name: str) -> None:
@@ -65,6 +66,7 @@ class ChainKinematics(Fixed):
         self.velocity_limit = chain.velocity_limit
         self.effort_limit = chain.effort_limit
         self.model = chain.model
+        self.held_mass = chain.load
         self._locked = chain.locked
         self._between = chain.between
         self._base_frame = chain.base_id

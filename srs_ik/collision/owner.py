@@ -46,7 +46,7 @@ class BodyOwner(ChainKinematics):
     drawing: Drawing | None
     plan: BodyPlan
 
-    def _planned(self, plan: BodyPlan) -> Self:
+    def _planned(self, plan: BodyPlan, load: Any = None) -> Self:
         raise NotImplementedError
 
     @property
@@ -107,8 +107,12 @@ class BodyOwner(ChainKinematics):
         length: float | None = None,
         file: str | Path | None = None,
         scale: ArrayLike | None = None,
+        mass: float | None = None,
     ) -> Self:
         """This arm with an object in its hand, which counts as a part of it. The arm itself stays as it is.
+
+        With a mass, gravity torques, force polytopes, `optimise(pose, "gravity_torque")` and torque controllers carry
+        it, too: a solid of one density.
 
         Args:
             name: of the object.
@@ -118,12 +122,15 @@ class BodyOwner(ChainKinematics):
             length: of a cylinder, m.
             file: a mesh.
             scale: of the mesh, one factor, or one for each axis; 0.001 for a file in millimetres.
+            mass: kg; without it the object has a form alone, and weighs nothing.
 
         Raises:
-            InvalidScene: the name is that of a link or of what is held already, the pose is none, sizes are not
-                positive, or not one kind of form is given.
+            InvalidScene: the name is that of a link or of what is held already, the pose is none, sizes or mass are
+                not positive, or not one kind of form is given.
+            InvalidRobot: a mass is given, and the description of the arm has none.
         """
         from srs_ik.collision.links.bodies import held, link_frames
+        from srs_ik.collision.links.weight import inertia_of
         from srs_ik.collision.scenes.scene import Scene
 
         if isinstance(name, str) and name in link_frames(self):
@@ -149,7 +156,8 @@ class BodyOwner(ChainKinematics):
             raise InvalidScene(f"{self.name} holds {quoted(name)} already")
         frames = self.joint_frames(np.zeros(7))
         T_joint_tip = np.linalg.inv(frames[7]) @ self.forward_kinematics(np.zeros(7)).homogeneous
-        return self._planned(replace(self.plan, held=(*self.plan.held, held(name, forms, T_joint_tip))))
+        load = None if mass is None else inertia_of(forms[0], mass, name)
+        return self._planned(replace(self.plan, held=(*self.plan.held, held(name, forms, T_joint_tip))), load)
 
     def tables(self, scene: Scene) -> Tables:
         """What kernels know of this arm in a scene; made once, and patched where objects move."""

@@ -43,6 +43,7 @@ class Chain(ReadOnlyArrays):
     locked: Mapping[str, float]  # other joints that are not locked at their neutral position: where they are, rad or m
     # other joints between base and tip: where they are, as in a configuration of Pinocchio
     between: Mapping[str, tuple[float, ...]]
+    load: float = 0.0  # mass of what the hand holds, kg, which `model` has with joint 7
 
 
 def build_chain(

@@ -80,6 +80,19 @@ def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None, gravit
     )
 
 
+def with_load(chain: Chain, load: Any) -> Chain:
+    """The chain with a ``pinocchio.Inertia``, in its tip frame, in its hand.
+
+    Raises:
+        InvalidRobot: no joint of the chain has a mass: the weight of the load alone would be taken for that of all.
+    """
+    if not any(inertia.mass > 0.0 for inertia in chain.model.inertias):
+        raise InvalidRobot(f"the description of {chain.model.name!r} has no masses: what it holds has none, either")
+    model = pin.Model(chain.model)
+    model.appendBodyToJoint(7, load, model.frames[chain.tip_id].placement)
+    return replace(chain, model=model, load=chain.load + load.mass)
+
+
 def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Chain:
     """The chain with other limits; infinite ones are none.
 

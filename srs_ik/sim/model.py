@@ -79,9 +79,9 @@ def make_spec(arm: Arm) -> tuple[Any, str]:
 
 
 def _urdf(arm: Arm) -> str | None:
-    """The arm's URDF, links and joints alone; None for an arm that was not loaded from one, or has joints elsewhere."""
-    if arm.drawing is None or arm.locked:
-        # MuJoCo would have all other joints at zero.
+    """The arm's URDF, links and joints alone; None for an arm that is not as in one, or was not loaded from it."""
+    if arm.drawing is None or arm.locked or arm.held_mass:
+        # MuJoCo would have all other joints at zero, and nothing in the hand.
         return None
     content = arm.drawing.content
     try:
