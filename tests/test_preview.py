@@ -229,9 +229,49 @@ def test_a_path_solution_is_played(view, arm):
     assert len(Scene(view).animated()["robot/joint 7"]["position"]) == 7
 
 
+def hands_of(view):
+    return np.array(Scene(view).animated()["robot/joint 7"]["position"])
+
+
+def test_a_path_is_played_at_its_own_times(view, arm):
+    """From rest to rest it is slowest at its ends, where postures even in time would be as fast as in between."""
+    poses = [arm.forward_kinematics(Q + step) for step in np.linspace(0.0, 0.6, 7)]
+    path = arm.solve_path(poses, seed=Q, objective="time", acceleration_limit=np.full(7, 0.5))
+    view.animate(path)
+    hands = hands_of(view)
+    fps = (len(hands) - 1) / path.times[-1]
+    for k in range(len(hands)):
+        q = [np.interp(k / fps, path.times, angles) for angles in path.q.T]
+        assert np.abs(hands[k] - arm.joint_frames(q)[7, :3, 3]).max() < 1e-9
+    even = arm.solve_path(poses, seed=Q, dt=0.3)
+    view.animate(even)
+    own = hands_of(view)
+    view.animate(even, 0.3)
+    np.testing.assert_array_equal(own, hands_of(view))
+    view.animate(path.q[:1])
+    assert Scene(view).animated() == {}
+
+
+def test_a_trajectory_is_played(view, arm):
+    poses = [arm.forward_kinematics(Q + step) for step in (0.0, 0.1, 0.3)]
+    motion = arm.solve_path(poses, known={0: Q}, dt=0.4).trajectory()
+    view.animate(motion)
+    hands = hands_of(view)
+    samples = motion.sample(motion.duration / (len(hands) - 1))
+    assert len(samples.q) == len(hands) > 0.8 * 30.0
+    for k, q in enumerate(samples.q):
+        assert np.abs(hands[k] - arm.joint_frames(q)[7, :3, 3]).max() < 1e-9
+
+
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
+        (lambda v: v.animate(np.zeros((3, 7))), srs_ik.InvalidConfiguration, "how fast the path is passed: give dt"),
+        (
+            lambda v: v.animate(v.arm.solve_path([v.arm.forward_kinematics(Q)] * 2, dt=0.1).trajectory(), 0.1),
+            srs_ik.InvalidConfiguration,
+            "a trajectory has times of its own",
+        ),
         (lambda v: v.show([1, 2]), srs_ik.InvalidConfiguration, "7 joint angles"),
         (lambda v: v.show([np.nan] * 7), srs_ik.InvalidConfiguration, "not finite"),
         (lambda v: v.show_target(np.zeros((4, 4))), srs_ik.InvalidPose, "no rigid transform"),

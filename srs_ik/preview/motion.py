@@ -9,6 +9,7 @@ import numpy as np
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.angles import as_branch
 from srs_ik.inputs.numbers import as_positive, real_array
+from srs_ik.solve.path.trajectory import Trajectory
 from srs_ik.solve.self_motion import through
 from srs_ik.system.arrays import Array
 
@@ -24,23 +25,43 @@ _SWEEP = 0.7
 """Speed of a shown self-motion, rad of the arm angle a second."""
 
 
-def film(path: Any, dt: float) -> tuple[Array, float]:
-    """A joint path (N, 7), rad, or a `PathSolution` as frames (M, 7) even in time, and how many there are a second.
+def film(path: Any, dt: float | None) -> tuple[Array, float]:
+    """A motion as frames (M, 7) even in time, rad, and how many there are a second.
 
-    Between its samples, which are `dt` apart, s, these are on straight lines in joint space.
+    A joint path (N, 7) or a `PathSolution` has samples `dt` apart, s, or at the path's own times without `dt`; between
+    them frames are on straight lines in joint space. A `Trajectory` is taken as it is.
 
     Raises:
-        InvalidConfiguration: not N x 7 finite angles with N > 0, or dt is no positive number.
+        InvalidConfiguration: not N x 7 finite angles with N > 0, dt is no positive number, or missing where the path
+            has no times of its own, or there beside a trajectory.
     """
+    if isinstance(path, Trajectory):
+        if dt is not None:
+            raise InvalidConfiguration("a trajectory has times of its own: leave dt out")
+        count = _frames_in(path.duration)
+        if count < 2:
+            return path.sample(1.0).q[:1], FPS
+        return path.sample(path.duration / (count - 1)).q, (count - 1) / path.duration
     q = joint_path(path)
-    step = as_positive(dt, "dt", "seconds")
-    duration = step * (len(q) - 1)
-    count = int(min(np.ceil(duration * FPS), _MOST_FRAMES - 1)) + 1
+    times = _times_of(path, len(q)) if dt is None else as_positive(dt, "dt", "seconds") * np.arange(len(q))
+    duration = float(times[-1])
+    count = _frames_in(duration)
     if count < 2:
         return q[:1], FPS
-    times, samples = np.linspace(0.0, len(q) - 1.0, count), np.arange(len(q))
-    frames = np.stack([np.interp(times, samples, angles) for angles in q.T], axis=1)
-    return frames, (count - 1) / duration
+    even = np.linspace(0.0, duration, count)
+    return np.stack([np.interp(even, times, angles) for angles in q.T], axis=1), (count - 1) / duration
+
+
+def _frames_in(duration: float) -> int:
+    return int(min(np.ceil(duration * FPS), _MOST_FRAMES - 1)) + 1
+
+
+def _times_of(path: Any, count: int) -> Array:
+    """(N,) the times at which a path passes its samples, s; one of a single sample has no need of them."""
+    times: Array | None = getattr(path, "passes", None)
+    if times is None and count > 1:
+        raise InvalidConfiguration("nothing says how fast the path is passed: give dt, seconds between two samples")
+    return np.zeros(1) if times is None else times
 
 
 def joint_path(path: Any) -> Array:

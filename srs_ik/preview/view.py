@@ -228,16 +228,18 @@ class Preview(StillPage):
         self._play(frames, FPS, repeat=True)
         return True
 
-    def animate(self, path: Any, dt: float, repeat: bool = True) -> None:
+    def animate(self, path: Any, dt: float | None = None, repeat: bool = True) -> None:
         """Show a joint path as a motion.
 
         Args:
-            path: (N, 7) joint angles, rad, or the `PathSolution` of `Arm.solve_path`.
-            dt: time between two samples, seconds.
+            path: (N, 7) joint angles, rad, the `PathSolution` of `Arm.solve_path`, or its `Trajectory`.
+            dt: time between two samples, seconds. Without it, a path is shown at its own times, those of
+                `objective="time"` or of its `dt`; a trajectory always is.
             repeat: whether it starts again at its end.
 
         Raises:
-            InvalidConfiguration: not N x 7 finite angles with N > 0, or dt is no positive number.
+            InvalidConfiguration: not N x 7 finite angles with N > 0, dt is no positive number, or missing where the
+                path has no times of its own, or there beside a trajectory.
             PreviewError: the preview is closed.
         """
         frames, fps = film(path, dt)

@@ -111,6 +111,13 @@ class PathSolution(BatchSolution):
         use = shares.max(axis=1, initial=0.0)
         return np.where((use > 1.0) & (use <= JUST_ABOVE), 1.0, use)
 
+    @property
+    def passes(self) -> Array | None:
+        """(N,) when it passes its poses, s: `times`, or `dt` apart; None where nothing says how fast it is passed."""
+        if self.times is None and self._problem is not None and self._problem.dt is not None:
+            return float(self._problem.dt) * np.arange(len(self), dtype=float)
+        return self.times
+
     def trajectory(self) -> Trajectory:
         """A motion through all postures, from rest to rest, that keeps the limits at all times, to be sampled.
 
@@ -130,9 +137,7 @@ class PathSolution(BatchSolution):
             raise InvalidConfiguration(f"there is no motion through all postures: the path breaks at pose {at}")
         if not len(self):
             raise InvalidConfiguration("the path has no poses")
-        problem, times = self._problem, self.times
-        if times is None and problem is not None and problem.dt is not None:
-            times = float(problem.dt) * np.arange(len(self), dtype=float)
+        problem, times = self._problem, self.passes
         if times is None or problem is None:
             raise InvalidConfiguration(
                 "nothing says how fast the path is passed: "
