@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -70,6 +71,32 @@ def test_who_waits_at_a_terminal_is_told_why(monkeypatch, patience, said):
     arm = srs_ik.load("human_arm").with_object("ball", np.eye(4), radius=0.0371)
     assert arm.bodies
     assert "".join(terminal).count("srs_ik: human_arm: spheres that cover its links") == said
+
+
+class Notebook(Terminal):
+    """As `ipykernel.iostream.OutStream`."""
+
+    __module__ = "ipykernel.iostream"
+
+    def isatty(self):
+        return False
+
+
+def test_who_waits_in_a_notebook_is_told_and_so_is_a_log(monkeypatch, caplog):
+    cell = Notebook()
+    monkeypatch.setattr(sys, "stderr", cell)
+    caplog.set_level("INFO", "srs_ik")
+    for patience in (0.0, 60.0):
+        monkeypatch.setattr(waiting, "PATIENCE", patience)
+        with waiting.said_if_long("spheres are found once"):
+            for _ in range(200):
+                if patience or "".join(cell).endswith("\n"):
+                    break
+                time.sleep(0.01)
+    assert "".join(cell) == "srs_ik: spheres are found once\n"
+    assert [(each.name, each.levelname, each.message) for each in caplog.records] == [
+        ("srs_ik", "INFO", "spheres are found once")
+    ]
 
 
 def test_nothing_is_said_where_no_terminal_is(capsys, monkeypatch):
