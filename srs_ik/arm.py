@@ -670,23 +670,23 @@ class Arm(BodyOwner):
         """
         return kinematics.centres(self.packed, q)
 
-    def arm_angle(self, q: ArrayLike) -> float:
-        """Arm angle, in [-pi, pi), rad, of a configuration (7,), rad.
+    def arm_angle(self, q: ArrayLike) -> Any:
+        """Arm angle, in [-pi, pi), rad, of a configuration (7,), rad; (N,) of N times 7.
 
         It is right-handed about the line from shoulder to wrist, and zero at `limb.reference`.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+            InvalidConfiguration: not 7 finite angles or N times 7, or one beyond 1e6 rad.
         """
-        return float(entries.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[0])
+        return kinematics.arm_angle(self.packed, q)
 
-    def branch(self, q: ArrayLike) -> int:
-        """Branch, 0 to 7, of a configuration (7,), rad.
+    def branch(self, q: ArrayLike) -> Any:
+        """Branch, 0 to 7, of a configuration (7,), rad; (N,) of N times 7.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+            InvalidConfiguration: not 7 finite angles or N times 7, or one beyond 1e6 rad.
         """
-        return int(entries.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[1])
+        return kinematics.branch(self.packed, q)
 
     def arm_angle_jacobian(self, q: ArrayLike) -> Array:
         """Derivatives of the arm angle by the joint angles, (7,), rad/rad: its rate is ``arm_angle_jacobian(q) @ dq``.

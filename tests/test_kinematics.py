@@ -29,6 +29,19 @@ def whole_jacobian(forward, q):
     return np.vstack([R @ columns[:3], R @ columns[3:]])
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_arm_angles_and_branches_of_many_are_those_of_each(name):
+    arm = arms.load(name)
+    q = arms.generator(name, 62).uniform(-3.0, 3.0, (30, 7))
+    assert arm.arm_angle(q).tolist() == [arm.arm_angle(each) for each in q]
+    assert arm.branch(q).tolist() == [arm.branch(each) for each in q]
+    assert (arm.arm_angle(q[:0]).shape, arm.branch(q[:0]).shape) == ((0,), (0,))
+    assert (type(arm.arm_angle(q[0])), type(arm.branch(q[0]))) == (float, int)
+    for ask in (arm.arm_angle, arm.branch):
+        with pytest.raises(InvalidConfiguration, match="N times 7 joint angles"):
+            ask(np.zeros((3, 6)))
+
+
 @pytest.mark.parametrize("name", arms.EVERY)
 def test_many_poses_and_jacobians_are_those_of_the_whole_robot(name):
     arm, forward = arms.load(name), arms.forward(name)

@@ -51,6 +51,33 @@ def test_quaternions_in_both_orders_are_those_of_scipy(position, rpy):
         assert quaternion[back][3] >= 0.0
 
 
+def test_columns_of_a_table_are_poses_as_one_by_one():
+    rng = np.random.default_rng(3)
+    xyz, rpy = rng.uniform(-1.0, 1.0, (20, 3)), rng.uniform(-3.0, 3.0, (20, 3))
+    quaternions = Rotation.from_euler("xyz", rpy).as_quat() * rng.uniform(0.9995, 1.0005, (20, 1))
+    many = srs_ik.pose_from_xyz_rpy(xyz, rpy), srs_ik.pose_from_xyz_quaternion(xyz, quaternions, order="xyzw")
+    for k in range(20):
+        one = srs_ik.pose_from_xyz_rpy(xyz[k], rpy[k]).homogeneous
+        for poses in many:
+            np.testing.assert_allclose(poses[k], one, rtol=0.0, atol=1e-14)
+    wxyz = quaternions[:, [3, 0, 1, 2]]
+    turned = srs_ik.pose_from_xyz_quaternion(xyz, wxyz, order="wxyz")
+    np.testing.assert_allclose(turned, many[1], rtol=0.0, atol=1e-14)
+    assert srs_ik.load("iiwa14").solve_batch(many[0]).ok.shape == (20,)
+    assert srs_ik.pose_from_xyz_rpy(np.empty((0, 3)), np.empty((0, 3))).shape == (0, 4, 4)
+    assert srs_ik.pose_from_xyz_quaternion(np.empty((0, 3)), np.empty((0, 4)), order="xyzw").shape == (0, 4, 4)
+    quaternions[7] *= 2.0
+    with pytest.raises(InvalidPose, match=r"^quaternion 7 of 20 is a rotation only if its length is 1, not [12]\."):
+        srs_ik.pose_from_xyz_quaternion(xyz, quaternions, order="xyzw")
+    with pytest.raises(InvalidPose, match=r"a position is 3 finite numbers, .* here there are 20: .* of shape \(3,\)"):
+        srs_ik.pose_from_xyz_rpy(xyz[0], rpy)
+    rpy[4, 1] = np.nan
+    with pytest.raises(InvalidPose, match=r"roll, pitch and yaw is 3 finite numbers, .* entries that are not finite"):
+        srs_ik.pose_from_xyz_rpy(xyz, rpy)
+    with pytest.warns(UserWarning, match="are these degrees"):
+        srs_ik.pose_from_xyz_rpy(xyz, np.full((20, 3), 90.0))
+
+
 @pytest.mark.parametrize(
     ("arguments", "order", "says"),
     [

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.inputs.angles import as_bounded_joint_vector, as_joint_vectors
-from srs_ik.kernels.entries.kinematics import centres_range, forward_range, jacobian_range
+from srs_ik.kernels.entries.kinematics import centres_range, configuration_arm_angle, forward_range, jacobian_range
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.threads import run_in_threads
 from srs_ik.system.arrays import Array, equal_to_itself
@@ -38,13 +38,32 @@ class Centres(NamedTuple):
     wrist: Array
 
 
-def centres(packed: PackedArm, q: Any) -> Centres:
-    """See `Arm.centres`."""
+def _one_or_many(q: Any) -> tuple[Array, bool]:
+    """(N, 7) checked configurations, and whether more than one vector was given."""
     try:
         many = np.ndim(q) > 1
     except ValueError:  # lists of different lengths, of which `as_joint_vectors` speaks
         many = True
-    angles = as_joint_vectors(q) if many else as_bounded_joint_vector(q)[None]
+    return (as_joint_vectors(q) if many else as_bounded_joint_vector(q)[None]), many
+
+
+def arm_angle(packed: PackedArm, q: Any) -> Any:
+    """See `Arm.arm_angle`."""
+    angles, many = _one_or_many(q)
+    found = [configuration_arm_angle(packed.family, each)[0] for each in angles]
+    return np.array(found, float) if many else float(found[0])
+
+
+def branch(packed: PackedArm, q: Any) -> Any:
+    """See `Arm.branch`."""
+    angles, many = _one_or_many(q)
+    found = [configuration_arm_angle(packed.family, each)[1] for each in angles]
+    return np.array(found, np.int64) if many else int(found[0])
+
+
+def centres(packed: PackedArm, q: Any) -> Centres:
+    """See `Arm.centres`."""
+    angles, many = _one_or_many(q)
     points = np.empty((3, len(angles), 3))
     centres_range(packed.family, angles, 0, len(angles), points)
     return Centres(*(points if many else points[:, 0]))
