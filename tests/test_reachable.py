@@ -146,6 +146,8 @@ def test_places_are_ranked_by_what_the_moved_arm_answers(by):
     ranked = [(found.value[each.candidate], found.share[each.candidate]) for each in found]
     assert ranked == sorted(ranked, reverse=True)
     np.testing.assert_array_equal(found.best, T_room_base[next(iter(found)).candidate])
+    with pytest.raises(TypeError, match=r"placement\[0\]\.share"):
+        bool(found)
 
 
 @pytest.mark.parametrize("name", arms.EXACT)

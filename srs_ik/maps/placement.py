@@ -68,6 +68,11 @@ class Placement:
         best: Array = self.candidates[self.order[0]]
         return best
 
+    def __bool__(self) -> bool:
+        raise TypeError(
+            "a ranking has no truth value: share of its first, placement[0].share, is what the best reaches"
+        )
+
     def __len__(self) -> int:
         return len(self.order)
 
