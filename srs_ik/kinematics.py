@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, InvalidRobot, SrsIkError, did_you_mean, quoted
 from srs_ik.inputs.angles import as_joint_vector
@@ -98,13 +98,12 @@ class ChainKinematics(Fixed):
         q = as_joint_vector(q, limits=(self.lower, self.upper))
         if model is None and others is not None:
             raise InvalidConfiguration("others are those of a whole robot: give its model, too")
-        joints = self._joints if model is None else self._joints_in(model)
+        places = self._places if model is None else _places_of(self._joints_in(model))
         configuration = np.empty(self.model.nq) if model is None else self._whole(model, others)
-        for angle, joint in zip(q, joints, strict=True):
-            if joint.nq == 1:
-                configuration[joint.idx_q] = angle
-            else:
-                configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+        (plain, at), (endless, cosines) = places
+        configuration[at] = q[plain]
+        if len(endless):
+            configuration[cosines], configuration[cosines + 1] = np.cos(q[endless]), np.sin(q[endless])
         return configuration
 
     def _whole(self, model: Any, others: ArrayLike | None) -> Array:
@@ -255,6 +254,10 @@ class ChainKinematics(Fixed):
         return [self.model.joints[i] for i in range(1, 8)]
 
     @cached_property
+    def _places(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+        return _places_of(self._joints)
+
+    @cached_property
     def _thread_data(self) -> threading.local:
         return threading.local()
 
@@ -287,3 +290,9 @@ def _finite(configuration: ArrayLike, model: Any) -> Array:
     if values.shape != (model.nq,) or not np.isfinite(values).all():
         raise InvalidConfiguration(f"a configuration of {model.name} is {model.nq} finite numbers")
     return values
+
+
+def _places_of(joints: Sequence[Any]) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Joints with one figure in a configuration, and those with cosine and sine: which, and where that begins."""
+    kinds = [[(k, joint.idx_q) for k, joint in enumerate(joints) if joint.nq == size] for size in (1, 2)]
+    return [(rows[:, 0], rows[:, 1]) for rows in (np.array(kind, np.intp).reshape(-1, 2) for kind in kinds)]

@@ -70,7 +70,7 @@ class Placement:
 
     def __bool__(self) -> bool:
         raise TypeError(
-            "a ranking has no truth value: share of its first, placement[0].share, is what the best reaches"
+            "a ranking has no truth value: placement[0].share is what the best reaches"
         )
 
     def __len__(self) -> int:
