@@ -1055,9 +1055,15 @@ TOLD_OF_ROUNDED = [
         "1.69514176303691 -0.0001 0.3587506294152263 1.9656787014923798 1.8688951710653159 1.641665343878124 "
         "-1.560645606411029",
     ),
+    (
+        78000001,
+        1,
+        "5.384474857167537 0.8284104320846621 3.8508026272840112 0.9211680777290012 -1.5932884475473243 "
+        "-3.1315782696022523 -0.5809397173401498",
+    ),
 ]
-"""Seed and number of an arm whose axes miss by 1e-8 m: flat elbows, one alone between two limits, and an end where
-another joint is outside."""
+"""Seed and number of an arm whose axes miss by 1e-8 m: flat elbows, one alone between two limits, an end where another
+joint is outside, and ends next to a singular wrist."""
 
 
 @pytest.mark.parametrize(("seed", "number", "given"), TOLD_OF_ROUNDED)
@@ -1084,6 +1090,11 @@ MEETING_LIMITS = [
     (
         "iiwa14_experimental",
         "-2.7854245335726118 -2.0941999999 1.7650668865708674 1e-11 1.4334861570178442 1e-11 -3.0540999999",
+    ),
+    # Joint 1 comes in where joint 5 goes out, into a narrow gap that two samples lie on either side of.
+    (
+        "rm75",
+        "3.1 -0.7309720451723747 -2.6476531029293247 0.6357392411126366 -3.1 -0.00015851210158739011 4.313919301638815",
     ),
 ]
 

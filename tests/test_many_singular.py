@@ -119,6 +119,25 @@ TIPS = [
 """Made arms, by kind, seed and place; postures with shoulder, elbow and wrist singular, seeds, and postures that are as
 near to these as steps along those of the pose lead."""
 
+ELSEWHERE = [
+    ("random_near", 52200001, 6,
+     (-2.369356321047101, 1e-05, -0.1331738982156101, -0.00016600798461878895, -0.07682620269323048, 1e-05,
+      -1.998649725187788),
+     (-0.9853716265177663, 2.0631773258383577, -0.8100855285355615, -5.472479445261488, 0.043542479667716405,
+      0.7069795379349157, 2.2995980307587587),
+     (-2.4026346613466418, -3.0946605458208686e-05, -0.13173130770479236, -0.00012282238963197677,
+      -0.0035491008082875592, 7.4311023835971529e-06, 4.2430942302915753)),
+    ("random_rounded", 22200106, 21,
+     (2.6277481418674515, -0.7570997715195609, -1.7563590149825292, 2.837465942814765e-08, -1.0198399396168925,
+      -2.4696258321571603, -2.8530698090103273),
+     (2.6277481418674515, -0.7034938410067859, -1.6354050162365787, 0.1338096594254328, -1.1841219943694004,
+      -2.3636108331141585, -2.681774877772474),
+     (2.6277481418674515, -0.7570997715195609, -1.7563590149825292, 2.837465942814765e-08, -1.0198399396168925,
+      -2.4696258321571603, -2.8530698090103273)),
+]  # fmt: skip
+"""The same, of postures that are nearer elsewhere: on a small closed curve to whose centre 13 steps lead, and with
+joint 7, beyond a limit but for rounding, a turn away."""
+
 FARTHER_INSIDE = (
     (0, (2.8883971832896487, 1e-10, -3.1655901855809496, -2.4773068477198968e-08, 0.4426132107692151, 1e-10,
          5.306572392300396),
@@ -253,8 +272,8 @@ def test_needles_of_straight_elbows_are_gone_along_to_their_tips(name, case):
     assert not (nearer and error < AS_WELL and inside(other, arm.lower, arm.upper))
 
 
-@pytest.mark.parametrize("case", TIPS, ids=["rounded", "oblique"])
-def test_steps_where_three_parts_are_singular_end_where_none_leads_nearer(judges, case):
+def assert_is_no_farther(judges, case):
+    """The answer to a seed is no farther from it than a posture that meets the pose as well as floats tell."""
     kind, seed, place, q, start, nearer = case
     arm = next(islice((arm for arm, _ in judges["subjects"]["arms_of"](kind, 1000, seed)), place, None))
     pose = arm.forward_kinematics(q)
@@ -263,6 +282,16 @@ def test_steps_where_three_parts_are_singular_end_where_none_leads_nearer(judges
     solution = arm.solve(pose, seed=start)
     assert max(arm.verify(pose, solution.q)) < LEFT
     assert np.linalg.norm(solution.q - start) < np.linalg.norm(np.subtract(nearer, start)) + 1e-6
+
+
+@pytest.mark.parametrize("case", TIPS, ids=["rounded", "oblique"])
+def test_steps_where_three_parts_are_singular_end_where_none_leads_nearer(judges, case):
+    assert_is_no_farther(judges, case)
+
+
+@pytest.mark.parametrize("case", ELSEWHERE, ids=["small curve", "another turn"])
+def test_nearer_postures_that_few_steps_or_rounding_hide_are_found(judges, case):
+    assert_is_no_farther(judges, case)
 
 
 @pytest.mark.parametrize("name", RM75)

@@ -4,12 +4,11 @@ Newton's method for eight postures of a near limb in step, with the arm angle as
 pose to first order and goes with the arm angle, one way or the other, until the first joint is on a limit.
 """
 
-import math
-
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
-from srs_ik.kernels.algebra.lanes import ALL, as_bits, larger, where
+from srs_ik.kernels.algebra.lanes import ALL, as_bits, larger, root, smaller, where
 from srs_ik.kernels.chain import newton_eight
+from srs_ik.kernels.chain.eight import sines_of_eight
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
@@ -21,8 +20,8 @@ HARDLY = 1e-11
 """A step foreseen to be this short, rad, is not taken: it would be shorter still, by the square of the last one."""
 
 CLOSE_BY = 1e-5
-"""A first step this short, rad, times the root of the sine of the elbow's bend, is the last: what it leaves is its
-square over that sine, 1e-10 rad. The postures that almost exact limbs start from are that close."""
+"""A first step this short, rad, times the root of the least sine of the middle angles, is the last: what it leaves is
+its square over that sine, 1e-10 rad. The postures that almost exact limbs start from are that close."""
 
 
 @kernel
@@ -59,7 +58,8 @@ def to_limits(P, q, psi, way, target, steps):
     around = turn(psi)
     met = 0
     last = 0.0 * psi
-    short = CLOSE_BY * math.sqrt(place_[3])
+    s2, s4, s6 = sines_of_eight(P, q)
+    short = CLOSE_BY * root(smaller(smaller(abs(s2), abs(s4)), abs(s6)))
     for _ in range(steps):
         h, b = newton_eight.half_planes(t, h0, around)
         d, rates, _, right = newton_eight.newton_step(P, turns, R, p, h, b)
@@ -72,7 +72,7 @@ def to_limits(P, q, psi, way, target, steps):
         q = along7(q, 1.0, d)
         psi = psi + f * ahead
         last = size
-        short = LAST_STEP
+        short = LAST_STEP + 0.0 * size
         met = as_bits(settled & right)
         if as_bits(settled) == ALL:
             break

@@ -18,9 +18,11 @@ from srs_ik.kernels.chain.newton import MAX_STEP, load_square, longest, moved, p
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.goal import NO_SEED
 
-STEPS = 12
+STEPS, MOST_STEPS = 12, 20
+SHRINKS = 0.5
 SETTLED = 1e-8
-"""Newton's steps, at most, and the size of the last one, rad."""
+"""So many of Newton's steps, and others up to the second number as long as each is shorter by this factor than the one
+before; and the size of the last one, rad."""
 
 DAMPING = 1e-14
 FIRST_DAMPING = 1e-4
@@ -170,7 +172,7 @@ def to_rank_five(P, q, target, J, A):
     shortest_step(J, linear, angular, 0, FIRST_DAMPING, A)
     size = longest(A)
     q = moved(q, A, 1.0 if size < MAX_STEP else MAX_STEP / size)
-    for i in range(STEPS):
+    for i in range(MOST_STEPS):
         linear, angular = pose_step(P, q, target.R, target.p, J)
         if max(norm(linear), norm(angular)) > ASTRAY[min(i, len(ASTRAY) - 1)]:
             break
@@ -188,10 +190,12 @@ def to_rank_five(P, q, target, J, A):
             rate = times_twist(J, u, j)
             slopes = slopes[0] + rate * ways[0][j], slopes[1] + rate * ways[1][j]
         step = along7(along7(step, -slopes[0] / bends[0], ways[0]), -slopes[1] / bends[1], ways[1])
-        size = largest(step)
+        last, size = size, largest(step)
         q = along7(q, 1.0 if size < MAX_STEP else MAX_STEP / size, step)
         if size < SETTLED:
             return True, q, past, ways, bends
+        if i >= STEPS - 1 and size > SHRINKS * last:
+            break
     return False, q, past, ways, bends
 
 

@@ -17,7 +17,7 @@ from srs_ik.kernels.curves.ends import beyond_limits
 from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, RANGE_KIND, SLACK_LIMIT, UPPER
 from srs_ik.kernels.limb.limits import PER_TURN, turn_to_middle
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -163,8 +163,13 @@ def is_narrow(a, b):
 
 @kernel
 def may_bulge(P, a, b, joint):
-    """Whether a joint inside one of its limits at two points may be beyond it between them: goes out, comes back."""
+    """Whether a joint inside one of its limits at two points may be beyond it between them: goes out, comes back.
+
+    Or comes in at the other limit, through the narrow gap between both.
+    """
     at_a, at_b = turn_to_middle(P, joint, a[joint]), turn_to_middle(P, joint, b[joint])
+    if P[RANGE_KIND + joint] != 0.0 and abs(at_b - at_a) > PI:
+        return True
     width = b[POINT_PSI] - a[POINT_PSI]
     for end in range(2):
         sign, limit = (1.0, P[UPPER + joint]) if end == 1 else (-1.0, P[LOWER + joint])

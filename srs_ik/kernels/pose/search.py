@@ -6,9 +6,10 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
-from srs_ik.kernels.chain.newton import CLOSED, close_free
+from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free
 from srs_ik.kernels.chain.starts import SPLITS, put_splits
 from srs_ik.kernels.curves.best import search_followed
+from srs_ik.kernels.curves.follow import BLURRED
 from srs_ik.kernels.exact import nearest
 from srs_ik.kernels.exact.farthest import farthest, farthest_of_all, whole_circles
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
@@ -137,7 +138,13 @@ def going_on(P, target, goal, found, J, A):
         return found
     q, value = descend(P, found[0], target, goal, THOROUGH, (J, A))
     found = (q, branch_of(P, q), value)
-    return split_behind_limits(P, target, goal, found, (J, A)) if goal.respect else found
+    if not goal.respect:
+        return found
+    q = turned(P, q, True, goal.seed, False)
+    if OUTSIDE <= cost(P, q, True, goal.seed, True) < OUTSIDE + BLURRED:
+        # In a turn closer to the seed, rounding alone may put it outside the limits.
+        found = try_from(P, clipped(P, q), target, goal, found, (J, A))
+    return split_behind_limits(P, target, goal, found, (J, A))
 
 
 @kernel
