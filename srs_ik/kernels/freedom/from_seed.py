@@ -126,18 +126,19 @@ def lines_up(P, k, motion, width):
 def hides_postures(P, pose):
     """Whether searches from a grid of arm angles, and from those where a joint is singular, may pass over postures.
 
-    On exact limbs it takes little to be sure, where nothing is singular.
+    On exact limbs it is so with an elbow almost straight alone: else starts know the best splits of shoulder and wrist.
     """
     place_ = place(P, pose[0], pose[1])
     width = TIGHT + between_limbs(P)
     one, shoulder, wrist, _ = elbow_side(P, place_, 0)
     other, other_shoulder, other_wrist, _ = elbow_side(P, place_, 1)
-    singular = 1 if abs(math.sin(one - P[STRAIGHT])) < width else 0
+    straight = abs(math.sin(one - P[STRAIGHT])) < width
+    singular = 1 if straight else 0
     singular += 1 if lines_up(P, SHOULDER, shoulder, width) or lines_up(P, SHOULDER, other_shoulder, width) else 0
     singular += 1 if lines_up(P, WRIST, wrist, width) or lines_up(P, WRIST, other_wrist, width) else 0
     off, other_off = beyond(P, 3, turn_to_middle(P, 3, one)), beyond(P, 3, turn_to_middle(P, 3, other))
     on_limit = P[MISS] < HARDLY * P[FAR] and min(abs(off), abs(other_off)) < width
-    return singular > 1 or on_limit or (singular == 0 and P[IS_CLOSED] == 1.0)
+    return on_limit or (singular > 1 and (straight or P[IS_CLOSED] != 1.0))
 
 
 @kernel

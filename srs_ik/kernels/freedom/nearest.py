@@ -28,7 +28,7 @@ from srs_ik.kernels.freedom.settle import (
 from srs_ik.kernels.freedom.starts import APART, NO_NEARER, NONE_LEFT, change_places, line_up, take_next
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import MOST_STARTS, MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
+from srs_ik.kernels.layout.freedom import MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
 
 ALMOST = 0.01
 """A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
@@ -36,16 +36,10 @@ ALMOST = 0.01
 STRAIGHTER, SLUGGISH = 8, 1e-6
 """Steps that turn an axis to the middle of its cone, and what motions cost there, by the square of what it leans."""
 
-MANY = 0.4
-"""Once this part of the searches has failed, starts next to one whose search fails are left out, too."""
-
-AGAIN = 1e-5
-"""A start that is as good as one whose search failed is left out, too: within this part of the usual width."""
-
 FEW = 8
 """Of more searches than these, those are left out whose starts, once inside the limits, are too far from the seed."""
 
-OUTSIDE, WIDELY = 3.0, 1.0
+OUTSIDE, WIDELY = 1.5, 1.0
 """Searches that come last. Postures that are pressed between limits may have starts outside these alone: a radian
 outside costs no more than it may take to come inside, and what lies within so much, rad, of starts that were taken is
 left out."""
@@ -153,9 +147,9 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
     """
     count, enough, most, taken = sizes
     column, width, nearer, shorter = order
-    attempts, failed = 0, 0
+    attempts = 0
     line_up(desk.starts, count, column)
-    while attempts + failed < (enough if found.met else most) and taken < MOST_TAKEN:
+    while attempts < (enough if found.met else most) and taken < MOST_TAKEN:
         start, least, count = take_next(desk.starts, count, taken, column, width)
         reached = math.sqrt(found.cost)
         if least >= NONE_LEFT or math.sqrt(least) > reached + nearer:
@@ -165,15 +159,10 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
             taken += 1
             continue
         rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, liking.rival_posture)
-        there, cost, error, at_rest = searched(P, start, pose, freedom, rival, desk)
+        there, cost, error, _ = searched(P, start, pose, freedom, rival, desk)
         if error < SOLVED and cost < found.cost:
             found, liking = Found(there, cost, True), led_to(liking, there)
-        if error < math.inf and not at_rest:
-            # Limits stand in its way; not in that of a start beside it, unless many have failed.
-            failed += 1
-            desk.starts[MOST_STARTS - 1 - taken, START_LATE] = 1.0 if failed > MANY * enough else AGAIN
-        else:
-            attempts += 1
+        attempts += 1
         taken += 1
     return found, liking, taken
 

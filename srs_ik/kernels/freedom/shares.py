@@ -10,7 +10,7 @@ import math
 
 from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.freedom import system
-from srs_ik.kernels.freedom.elimination import BASIC_ROW, INVERSE, RHS
+from srs_ik.kernels.freedom.elimination import RHS
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
 
@@ -257,26 +257,3 @@ def press(P, K, M, q, sizes, count):
         side = 1.0 if mark % 2 == 1 else -1.0
         M[system.REST_ROW, j] -= K[n + 1 + i, RHS] * side * P[INVERSE_HALF_RANGE + j]
     return read7(row(M, system.STEP_ROW)), system.multipliers(M, m), (share, count)
-
-
-@kernel
-def mend(P, desk, q, m, known, along):
-    """The step back to the pose after one along its bends, at which the same joints have the largest share."""
-    K, M = desk.shares, desk.copy
-    n, count = along
-    for j in range(7):
-        M[system.STEP_ROW, j] = 0.0
-    for i in range(m):
-        for r in range(known):
-            M[system.STEP_ROW, int(M[BASIC_ROW, i])] += M[i, INVERSE + r] * desk.system[7 + r, RHS]
-    for k in range(n):
-        K[BEGIN, EVENED + k] = 0.0
-        for i in range(count):
-            K[BEGIN, EVENED + k] += K[HOLDING, i] * K[i, EVENED + k]
-    for i in range(count):
-        K[i, BEFORE] = share_before(P, M, q, int(K[ON_TOP, i]))
-    solve_on_top(K, M, m, n, count)
-    for k in range(n):
-        for j in range(7):
-            M[system.STEP_ROW, j] += K[k, RHS] * M[system.WAYS + k, j]
-    return read7(row(M, system.STEP_ROW))

@@ -24,7 +24,7 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = (24, 4, 1.0), (10, 4, 1.0), (20, 6, 2.0)
+NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = (24, 4, 1.0), (10, 4, 1.0), (20, 8, 2.0)
 """With the roll alone free, in a narrow cone, and in a wider one: local searches at most once a posture is known; those
 of starts that are good once they are inside the limits, which come late; and how much nearer to the seed than these
 starts searches come, rad. In a wide cone, postures pressed between limits have starts farther away."""

@@ -16,7 +16,6 @@ from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, gather, scatter
 from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import apply, cross, load3, load9, norm, rotation, sub, times
-from srs_ik.kernels.chain.starts import bent_place
 from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.freedom.halves import STEEP, dips, write_costs, write_halves
 from srs_ik.kernels.freedom.singular import add_both_singular, add_singular
@@ -35,7 +34,6 @@ from srs_ik.kernels.layout.freedom import (
     SHIFT,
     START,
     START_COST,
-    START_LATE,
     START_LEANS,
     STRIPS,
     Sought,
@@ -53,7 +51,6 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
-from srs_ik.kernels.limb.limits import violation
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
 OUT_OF_REACH = 0.1
@@ -62,7 +59,7 @@ OUT_OF_REACH = 0.1
 NO_NEARER = 2.0
 """A search does not come so much nearer to the seed than what its start costs, rad."""
 
-NO_START = 2.5
+NO_START = 3.5
 """A start that costs so much more than one inside the limits, rad, is of no use, neither first nor late."""
 
 ROOM, ROOM_OF_NEAR = 1e-3, 0.1
@@ -137,8 +134,6 @@ def fill_row(P, pose, elbow, sought, table):
     """
     seeded, wish = sought.seeded, sought.wish
     place_ = place(P, pose[0], pose[1])
-    if P[IS_CLOSED] != 1.0:
-        place_ = bent_place(P, place_)
     if abs(place_[5]) > OUT_OF_REACH * P[FAR]:
         return False
     side = elbow_side(P, place_, elbow)
@@ -148,13 +143,6 @@ def fill_row(P, pose, elbow, sought, table):
         if outside > MOST_OUTSIDE:
             return False
         cost = STEEP * outside + ((e - wish[3]) ** 2 if seeded else 0.0)
-    if seeded:
-        # A turn that is a little outside its limits may be much nearer.
-        near = e + TURN * math.floor((wish[3] - e) / TURN + 0.5)
-        outside = violation(P, 3, near)
-        nearer = STEEP * outside + (near - wish[3]) ** 2
-        if outside <= MOST_OUTSIDE and nearer < cost:
-            e, cost = near, nearer
     useless = costs_of_no_use(sought, table)
     if useless[0] < cost < useless[1]:
         return False
@@ -358,12 +346,9 @@ def take_next(starts, n, taken, cost, width):
         sink(starts, 0, n, cost)
         here = row(starts, n)
         k = 0
-        while k < taken and not are_close(
-            here, row(starts, MOST_STARTS - 1 - k), width * starts[MOST_STARTS - 1 - k, START_LATE]
-        ):
+        while k < taken and not are_close(here, row(starts, MOST_STARTS - 1 - k), width):
             k += 1
         if k == taken:
             put(starts, MOST_STARTS - 1 - k, figures(starts, n))
-            starts[MOST_STARTS - 1 - k, START_LATE] = 1.0
             return read7(here), here[cost], n
     return NO_SEED, NONE_LEFT, 0

@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.freedom import settle
 from srs_ik.kernels.freedom.constraints import bends, equations, fill, leaves_cone, on_edge, price
 from srs_ik.kernels.freedom.elimination import solve_equations
-from srs_ik.kernels.freedom.shares import largest_share, mend, press
+from srs_ik.kernels.freedom.shares import largest_share, press
 from srs_ik.kernels.freedom.system import write_ways
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
@@ -56,9 +56,9 @@ def widen(P, q, pose, freedom, rival, desk):
     K, M, J = desk.system, desk.copy, desk.J
     forces, last, asked = settle.NO_FORCE, settle.NO_FORCE, settle.NO_FORCE
     before, step = q, NO_SEED
-    known, part, radius, rank, n, count = 0, 1.0, settle.MAX_STEP, 0, 0, 0
+    known, part, radius, count = 0, 1.0, settle.MAX_STEP, 0
     error, size, worth, best = math.inf, math.inf, math.inf, math.inf
-    mended, curved = False, False
+    curved = False
     for _ in range(STEPS):
         m, error, turns = equations(P, q, pose, freedom, forces, desk)
         m = on_edge(m, known, forces)
@@ -69,10 +69,6 @@ def widen(P, q, pose, freedom, rival, desk):
             break
         wider = share < best and error < NEARLY
         if share + price(forces) * error > worth and size > settle.CLOSE_BY and not wider:
-            if not mended and m == known:
-                q, mended = along7(q, 1.0, mend(P, desk, q, rank, m, (n, count))), True
-                continue
-            mended = False
             step = along7(NO_SEED, settle.SHORTER, step)
             size *= settle.SHORTER
             part *= settle.SHORTER
@@ -80,7 +76,7 @@ def widen(P, q, pose, freedom, rival, desk):
             forces = settle.part_way(last, part, asked)
             q = along7(before, 1.0, step)
             continue
-        best, mended = share, False
+        best = share
         radius = min(2.0 * radius, settle.MAX_STEP)
         curve = bends(m, forces, turns, freedom.cone)
         curved = error < settle.ALMOST and known == m

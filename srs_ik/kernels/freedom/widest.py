@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.farthest import farthest_of_all
 from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.freedom.settle import onto_pose
-from srs_ik.kernels.freedom.shares import largest_share, share_of
+from srs_ik.kernels.freedom.shares import largest_share
 from srs_ik.kernels.freedom.starts import (
     APART,
     MOST_ATTEMPTS,
@@ -35,14 +34,11 @@ from srs_ik.kernels.limb.triangle import place
 ALMOST = 1e-3
 """A search that ends this close to its pose, m and rad, is brought onto it."""
 
-WIDEST, WIDEST_IN_CONE = 8, 4
+WIDEST, WIDEST_IN_CONE = 10, 5
 """Local searches at least: with the roll alone free, and with the cone free."""
 
 NARROW = 0.2
 """A cone up to this, rad, hardly widens the margin of its roll, whose searches come first then."""
-
-MIRRORED = 1e-5
-"""Shares of starts that differ by less are equal."""
 
 LEAST_WEIGHT = 1e-6
 """Weight of a joint without limits, which may be anywhere."""
@@ -99,20 +95,6 @@ def as_given(P, pose, freedom, liking):
 
 
 @kernel
-def is_mirrored(P, starts, taken):
-    """Whether the start that is taken last has the shares of one before: it leads to the mirror image of a posture."""
-    here = row(starts, MOST_STARTS - 1 - taken)
-    for i in range(taken):
-        before = row(starts, MOST_STARTS - 1 - i)
-        j = 0
-        while j < 7 and abs(share_of(P, j, here[j]) - share_of(P, j, before[j])) < MIRRORED:
-            j += 1
-        if j == 7:
-            return True
-    return False
-
-
-@kernel
 def widest(P, pose, freedom, liking, sizes, found, desk):
     """The posture of the widest margin that searches from so many starts in `desk` lead to, or a known one."""
     attempts = 0
@@ -123,8 +105,6 @@ def widest(P, pose, freedom, liking, sizes, found, desk):
         if least >= NONE_LEFT or found.cost + NO_WIDER < least < 0.0:
             break
         if freedom.cone == 0.0 and desk.starts[MOST_STARTS - 1 - attempts, START_LEANS] > 0.0:
-            continue
-        if found.met and is_mirrored(P, desk.starts, attempts):
             continue
         attempts += 1
         found = widened(P, start, pose, freedom, liking, found, desk)

@@ -22,8 +22,7 @@ START_COST = 7
 START_LEANS = 8
 START_LATE = 9
 START = 10
-"""A start: seven joint angles, their cost, whether its turn is more than a roll, and its cost to late searches; once it
-is taken, that is within what part of the usual width others are left out beside it."""
+"""A start: seven joint angles, their cost, whether its turn is more than a roll, and its cost to late searches."""
 
 ARM_ANGLES = 24
 """Arm angles at which postures are looked at, all around; a multiple of `LANES`."""
