@@ -126,7 +126,8 @@ def lines_up(P, k, motion, width):
 def hides_postures(P, pose):
     """Whether searches from a grid of arm angles, and from those where a joint is singular, may pass over postures.
 
-    On exact limbs it is so with an elbow almost straight alone: else starts know the best splits of shoulder and wrist.
+    On exact limbs it takes little to be sure, where nothing is singular. Of two singular joints the elbow has to be one
+    there: starts are the best splits of shoulder and wrist.
     """
     place_ = place(P, pose[0], pose[1])
     width = TIGHT + between_limbs(P)
@@ -138,7 +139,9 @@ def hides_postures(P, pose):
     singular += 1 if lines_up(P, WRIST, wrist, width) or lines_up(P, WRIST, other_wrist, width) else 0
     off, other_off = beyond(P, 3, turn_to_middle(P, 3, one)), beyond(P, 3, turn_to_middle(P, 3, other))
     on_limit = P[MISS] < HARDLY * P[FAR] and min(abs(off), abs(other_off)) < width
-    return on_limit or (singular > 1 and (straight or P[IS_CLOSED] != 1.0))
+    if P[IS_CLOSED] == 1.0:
+        return on_limit or singular == 0 or (straight and singular > 1)
+    return on_limit or singular > 1
 
 
 @kernel
