@@ -14,7 +14,7 @@ import numpy as np
 from srs_ik.inputs.freedom import FreeAxis
 from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.solve.in_scene import freedom
-from srs_ik.solve.in_scene.path import with_breaks
+from srs_ik.solve.in_scene.path import if_clear, with_breaks
 from srs_ik.solve.path.free.sampled import keeps_limits, sampled_ways, turned_as
 from srs_ik.solve.path.problem import Problem
 from srs_ik.solve.path.solution import PathSolution
@@ -32,9 +32,9 @@ def keep_clear(
     """
     arm, around, start = problem.arm, problem.around, problem.seed
     assert around is not None
-    found = with_breaks(problem, alone._rows)
-    if found and all(around.is_clear(q) for q in found.q):
-        return found
+    clear = if_clear(problem, alone)
+    if clear is not None:
+        return clear
     nearest = None if start is None else freedom.solve(around, problem.T[0], free, start, True)
     ways = [alone.q, *sampled_ways(problem, free, nearest.q if nearest else None)]
     paths = [find(turned_as(arm, problem.T, free, q)) for q in ways]

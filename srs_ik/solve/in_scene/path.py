@@ -1,13 +1,15 @@
 """Joint paths that hit nothing: free intervals at each pose, and straight lines between postures that are certified.
 
-A path is planned in free intervals. Then each of its lines is looked along; where something is in the way between two
-poses, more room is asked for at both of them, by as much as was missing, and the path is planned again.
+The best path without the scene is the answer if it hits nothing. Else a path is planned in free intervals. Then each of
+its lines is looked along; where something is in the way between two poses, more room is asked for at both of them, by
+as much as was missing, and the path is planned again.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +19,15 @@ from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.in_scene.edges import Edges
 from srs_ik.solve.path.breaks import PathBreak, breaks_of
-from srs_ik.solve.path.problem import Problem, Way, steps_of
+from srs_ik.solve.path.problem import JUST_ABOVE, Problem, Way, steps_of
 from srs_ik.solve.path.rows import joint_steps, rows_of
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
 from srs_ik.system.arrays import Array
+
+if TYPE_CHECKING:
+    from srs_ik.solve.in_scene.surroundings import Surroundings
 
 ROOM = 1e-3
 """What is asked for beyond the margin at each pose, m: right on the margin nothing can be certified."""
@@ -34,11 +39,33 @@ AMPLE = 1.5
 """More room is asked for than was missing, by this factor."""
 
 
-def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
-    """See `Arm.solve_path`, with a scene; `find` is the search for a path through given intervals."""
+def keep_clear(
+    problem: Problem, plan_alone: Callable[[], PathSolution], find: Callable[[Problem], Way]
+) -> PathSolution:
+    """See `Arm.solve_path`, with a scene.
+
+    `plan_alone` gives the path without the scene, `find` is the search for one through given intervals.
+    """
     around = problem.around
     assert around is not None
     _refuse_hits(problem)
+    alone = if_clear(problem, plan_alone())
+    return _through_free(problem, around, find) if alone is None else alone
+
+
+def if_clear(problem: Problem, alone: PathSolution) -> PathSolution | None:
+    """A path without the scene, if it has no break and certainly hits nothing."""
+    around = problem.around
+    assert around is not None
+    if not alone:
+        return None
+    found = with_breaks(problem, alone._rows)
+    # Lines are certified with both their ends.
+    return found if found and (len(found) > 1 or around.is_clear(found.q[0])) else None
+
+
+def _through_free(problem: Problem, around: Surroundings, find: Callable[[Problem], Way]) -> PathSolution:
+    """A path through free intervals whose lines are certified, planned again with more room where they are not."""
     tight = around.tight[True]
     arm = problem.arm
     if tight is not None and around.jammed is None:
@@ -115,12 +142,12 @@ class _Room:
 def _lines(problem: Problem, rows: Array) -> NDArray[np.int64]:
     """Numbers of the lines of a path: from each pose to the next where both are met and joints do not jump."""
     met = rows[:, ROW_STATUS] == Status.OK
-    step = np.abs(steps_of(problem, rows[:, :7])) <= problem.settings[BY_CONTINUITY]
+    step = np.abs(steps_of(problem, rows[:, :7])) <= JUST_ABOVE * problem.settings[BY_CONTINUITY]
     return np.flatnonzero(met[:-1] & met[1:] & step.all(axis=1))
 
 
 def _jumps(problem: Problem, rows: Array) -> int:
-    return int((np.abs(joint_steps(rows)) > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
+    return int((np.abs(joint_steps(rows)) > JUST_ABOVE * problem.settings[BY_CONTINUITY]).any(axis=1).sum())
 
 
 def _refuse_hits(problem: Problem) -> None:

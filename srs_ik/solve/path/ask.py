@@ -102,17 +102,24 @@ def solve_path(
     if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
         raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
     find = closed_way if closed else best
-    if around is not None:
-        from srs_ik.solve.in_scene.path import keep_clear
+    if around is None:
+        return _alone(problem, find)
+    from srs_ik.solve.in_scene.path import keep_clear
 
-        return keep_clear(replace(problem, around=around), find)
+    return keep_clear(replace(problem, around=around), lambda: _alone(problem, find), find)
+
+
+def _alone(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
+    """The best path where nothing is in the way."""
+    arm, n = problem.arm, len(problem.T)
     asked = on_straight_lines(problem)
     if n > SHORT:
         # What has to be compiled is compiled here: in another thread nobody could interrupt it.
-        one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
+        given = problem.known[:1], problem.has_known[:1]
+        one = replace(problem, T=problem.T[:1], known=given[0], has_known=given[1], near=problem.near[:1])
         rows_of(one, find(one))
     way, rows, planned = interruptible(
-        lambda stop: in_fewest_turns(replace(asked, stop=stop), lambda each: _found(find, each), closed),
+        lambda stop: in_fewest_turns(replace(asked, stop=stop), lambda each: _found(find, each), find is closed_way),
         worth_it=n > SHORT,
     )
     rows[:, :7] = unwound(problem, rows)

@@ -29,6 +29,7 @@ from srs_ik.solve.path.search.narrow import (
     held_between,
     worse,
 )
+from srs_ik.solve.path.search.on_curves import homes_of, improve_in
 from srs_ik.solve.path.search.polish import FINE, ROUGHLY, WIDTHS, improve
 
 SHORT = 32
@@ -77,9 +78,11 @@ SLIVER = 1e-4
 def found(problem: Problem) -> Way:
     """The best path, planned at key poses, filled in between, and refined, with velocity limits in what steps cost."""
     if problem.free is not None and not problem.arm.closed:
-        # Along the true curves, a path would leave what is free.
+        # Along the true curves, a plan would leave what is free.
         way = planned(replace(problem, in_closed_form=True))
+        homes = homes_of(problem, way)
         close(problem, way)
+        improve_in(homes, problem, way)
         return way
     return planned(problem)
 
