@@ -29,7 +29,7 @@ from srs_ik.solve.path.search.narrow import (
     held_between,
     worse,
 )
-from srs_ik.solve.path.search.on_curves import homes_of, improve_in
+from srs_ik.solve.path.search.on_curves import improve_in_free
 from srs_ik.solve.path.search.polish import FINE, ROUGHLY, WIDTHS, improve
 
 SHORT = 32
@@ -80,9 +80,8 @@ def found(problem: Problem) -> Way:
     if problem.free is not None and not problem.arm.closed:
         # Along the true curves, a plan would leave what is free.
         way = planned(replace(problem, in_closed_form=True))
-        homes = homes_of(problem, way)
         close(problem, way)
-        improve_in(homes, problem, way)
+        improve_in_free(problem, way)
         return way
     return planned(problem)
 
