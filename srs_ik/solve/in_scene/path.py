@@ -21,6 +21,7 @@ from srs_ik.solve.in_scene.edges import Edges
 from srs_ik.solve.path.breaks import PathBreak, breaks_of
 from srs_ik.solve.path.problem import JUST_ABOVE, Problem, Way, steps_of
 from srs_ik.solve.path.rows import joint_steps, rows_of
+from srs_ik.solve.path.search.free_curves import curves_of, on_free_curves
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
@@ -72,9 +73,12 @@ def _through_free(problem: Problem, around: Surroundings, find: Callable[[Proble
         # So that no line between two postures leaves the ranges of joints that keep bodies apart.
         arm = replace(arm, family=tight.family, lower=tight.lower, upper=tight.upper)
     room = _Room(problem)
+    curves = None if arm.closed else curves_of(replace(problem, arm=arm))
     best = None
     for _ in range(ROUNDS):
         asked = replace(problem, arm=arm, free=room.free)
+        if curves is not None:
+            asked = on_free_curves(asked, curves)
         way = find(asked)
         rows = rows_of(asked, way)
         rows[:, :7] = unwound(asked, rows)

@@ -85,14 +85,17 @@ def _windows(problem: Problem, way: Way, count: int) -> list[tuple[int, int, str
         return []
     n = len(problem.T)
     T, known, has_known = problem.T[::-1], problem.known[::-1], problem.has_known[::-1]
-    free = problem.reordered(range(n - 1, -1, -1))
+    strips = problem.reordered(np.arange(n)[::-1])
     if problem.seed is not None:
         # Backwards, the seed is one more pose at the end, with one posture.
         T = np.concatenate([T, T[-1:]])
         known, has_known = np.vstack([known, problem.seed]), np.append(has_known, True)
-        free = None if free is None else [*free, np.empty((0, 3))]
-    back = replace(problem, T=np.ascontiguousarray(T), seed=None, known=known.copy(), has_known=has_known.copy())
-    back.near, back.free = back.known, free
+        if strips["free"] is not None:
+            strips["free"].append(np.empty((0, 3)))
+        if strips["held_alone"] is not None:
+            strips["held_alone"] = np.append(strips["held_alone"], True)
+    told = {"known": known.copy(), "has_known": has_known.copy(), "near": known.copy(), **strips}
+    back = replace(problem, T=np.ascontiguousarray(T), seed=None, **told)
     backwards = find_way(back, np.arange(len(T)), False).walls
     if len(backwards) != count:
         return []

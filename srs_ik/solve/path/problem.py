@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,9 +127,16 @@ class Problem:
         ends[[rows is None for rows in self.free]] = -1
         return np.concatenate([np.empty((0, 3)), *(rows for rows in self.free if rows is not None)]), ends
 
-    def reordered(self, order: Iterable[int]) -> list[Array | None] | None:
-        """`free` of the poses in another order."""
-        return None if self.free is None else [self.free[i] for i in order]
+    def reordered(self, order: NDArray[np.int64]) -> dict[str, Any]:
+        """What strips of the poses in another order may have, and what is known of them, as fields of a problem."""
+        first = self.known_before()[1]
+        rows = np.concatenate([np.empty(0, np.int64), *(np.arange(first[i], first[i + 1]) for i in order)])
+        return {
+            "free": None if self.free is None else [self.free[i] for i in order],
+            "held": self.held[rows],
+            "held_of": np.repeat(np.arange(len(order)), np.diff(first)[order]),
+            "held_alone": None if self.held_alone is None else self.held_alone[order],
+        }
 
     def solve(self, i: int, seed: Array | None) -> Solution:
         """The best posture of a pose by itself."""
@@ -151,6 +158,11 @@ class Problem:
         """`held`, (n + 1,) the first row of each pose in it, and `held_alone`."""
         alone = np.zeros(len(self.T), np.bool_) if self.held_alone is None else self.held_alone
         return self.held, np.searchsorted(self.held_of, np.arange(len(self.T) + 1)), alone
+
+
+def nothing_held() -> dict[str, Any]:
+    """The fields of a problem of which no strips are known."""
+    return {"held": np.empty((0, HELD)), "held_of": np.empty(0, np.int64), "held_alone": None}
 
 
 def as_closed(family: Array) -> Array:
@@ -203,6 +215,12 @@ def copy(way: Way) -> Way:
     other.bounds, other.reached, other.cost = way.bounds.copy(), way.reached.copy(), way.cost
     other.walls = way.walls
     return other
+
+
+def take(way: Way, other: Way) -> None:
+    """Give a path the postures of another one."""
+    way.q, way.psi, way.branch, way.bounds = other.q, other.psi, other.branch, other.bounds
+    way.reached, way.cost = other.reached, other.cost
 
 
 def evenly(problem: Problem) -> Problem:

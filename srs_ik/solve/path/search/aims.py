@@ -75,8 +75,8 @@ def _rolled(problem: Problem, way: Way, by: int) -> Way:
     has_known = np.zeros(n, np.bool_)
     has_known[[0, -1]] = True
     near = turned.q.copy()
-    free = problem.reordered(order)
-    narrow = replace(problem, T=problem.T[order], seed=None, known=near, has_known=has_known, free=free)
+    told = {"seed": None, "known": near, "has_known": has_known, **problem.reordered(order)}
+    narrow = replace(problem, T=problem.T[order], **told)
     found = best(narrow)
     if not worth(narrow, found) < worth(narrow, turned):
         return way

@@ -1,11 +1,12 @@
-"""A path of a near limb in free intervals: planned on the nearest exact limb, and moved along its true curves.
+"""A path of a near limb moved to the best one near it along the curves of its true chain, within free intervals.
 
-Planned postures that are taken to their poses one by one lie beside one another. Moved all at once they are the best,
-but leave what is free where that costs less. Those stay on the ends of their intervals, and the others move again.
+Moved all at once, postures leave what is free where that costs less. Those are put on the ends of what is free, and the
+others move again.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,9 +14,10 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ARM_ANGLE, ROW_BRANCH
-from srs_ik.solve.path.problem import Problem, Way, copy, steps_of, worth
-from srs_ik.solve.path.search.polish import improve, take
+from srs_ik.solve.path.problem import Problem, Way, copy, steps_of, take, worth
 from srs_ik.system.arrays import Array
+
+Numbers = NDArray[np.int64]
 
 ROUNDS = 8
 """Postures are put on ends of their intervals, or let go again, so often at most."""
@@ -29,18 +31,19 @@ ON_END = 1e-7
 TURN = 2.0 * np.pi
 
 
-def improve_in_free(problem: Problem, way: Way) -> None:
+def move_in_free(problem: Problem, way: Way, move: Callable[[Problem, Way], None]) -> None:
     """Move the postures of a path, in place, to the best ones near them that are in free intervals.
 
-    Where that costs less, a posture that was put on an end is let go again.
+    `move` moves all at once, those that are given excepted. Where that costs less, a posture that was put on an end is
+    let go again.
     """
     best, lowest = copy(way), worth_of(problem, way)
     held, inwards = np.zeros(len(way.q), np.bool_), np.zeros((len(way.q), 7))
     for _ in range(ROUNDS):
         before = copy(way)
-        improve(replace(problem, has_known=problem.has_known | held), way)
+        move(replace(problem, has_known=problem.has_known | held), way)
         out = np.flatnonzero(way.reached & ~problem.has_known & ~held & ~are_free(problem, way))
-        put_on_ends(problem, before.q, way, out)
+        way.q[out] = last_free(problem, out, before.q[out], way.q[out])
         inwards[out] = before.q[out] - way.q[out]
         value = worth_of(problem, way)
         if value < lowest:
@@ -59,19 +62,16 @@ def worth_of(problem: Problem, way: Way) -> tuple[int, int, float]:
     return missing, int((way.reached & ~are_free(problem, way)).sum()), value
 
 
-def put_on_ends(problem: Problem, before: Array, way: Way, out: NDArray[np.int64]) -> None:
-    """Take postures of a path that have left what is free, in place, back to where they did, from those before."""
-    wanted, part = copy(way), np.zeros(len(way.q))
-    way.q[out] = before[out]
+def last_free(problem: Problem, poses: Numbers, inside: Array, outside: Array) -> Array:
+    """(k, 7) on the way from postures of poses to others that are not free, the last ones that are."""
+    found, part = inside.copy(), np.zeros((len(poses), 1))
     for k in range(1, HALVINGS + 1):
-        middle = copy(wanted)
-        t = (part[out] + 0.5**k)[:, None]
-        middle.q[out] = before[out] + t * (wanted.q[out] - before[out])
-        q, met = middle.q[out], np.zeros(len(out), np.bool_)
-        entries.bridge(problem.arm.family, problem.T[out], q, met)
-        middle.q[out] = q
-        good = out[met & are_free(problem, middle)[out]]
-        way.q[good], part[good] = middle.q[good], part[good] + 0.5**k
+        q, met = inside + (part + 0.5**k) * (outside - inside), np.zeros(len(poses), np.bool_)
+        entries.bridge(problem.arm.family, problem.T[poses], q, met)
+        good = met & (which_free(problem, poses, *places_of(problem, poses, q)) >= 0)
+        found[good] = q[good]
+        part[good] += 0.5**k
+    return found
 
 
 def pull_on(problem: Problem, way: Way) -> Array:
@@ -84,13 +84,33 @@ def pull_on(problem: Problem, way: Way) -> Array:
 
 
 def are_free(problem: Problem, way: Way) -> NDArray[np.bool_]:
-    """(n,) whether postures are in free intervals, by their arm angles and branches on the true chain."""
-    rows, chain = np.zeros((len(way.q), ROW)), np.flatnonzero(way.reached)
-    entries.finish(problem.arm.family, problem.T, chain, way.q, way.psi, np.full(len(way.q), -1), rows)
+    """(n,) whether postures of a path are in free intervals of their poses."""
+    poses = np.arange(len(way.q))
+    return which_free(problem, poses, *places_of(problem, poses, way.q)) >= 0
+
+
+def places_of(problem: Problem, poses: Numbers, q: Array) -> tuple[Array, Numbers]:
+    """(k,) arm angles and branches of postures (k, 7) of some poses on the true chain."""
+    rows, chain, none = np.zeros((len(q), ROW)), np.arange(len(q)), np.full(len(q), -1)
+    q = np.ascontiguousarray(q)
+    entries.finish(problem.arm.family, problem.T[poses], chain, q, np.zeros(len(q)), none, rows)
+    return rows[:, ROW_ARM_ANGLE], rows[:, ROW_BRANCH].astype(np.int64)
+
+
+def which_free(problem: Problem, poses: Numbers, psi: Array, branch: Numbers) -> Numbers:
+    """(k,) in which free interval of its pose an arm angle of a branch is; -1 for none."""
+    own = np.full(len(poses), -1)
     allowed, ends = problem.allowed()
-    free = ends[:, 0] < 0
-    for i in chain[~free[chain]].tolist():
-        own = allowed[slice(*ends[i])]
-        ahead = (rows[i, ROW_ARM_ANGLE] - own[:, 1] + ON_END) % TURN
-        free[i] = bool(((own[:, 0] == rows[i, ROW_BRANCH]) & (ahead <= own[:, 2] - own[:, 1] + 2.0 * ON_END)).any())
-    return free
+    order = np.argsort(poses, kind="stable")
+    first = np.searchsorted(poses[order], np.arange(len(problem.T) + 1))
+    for i in np.unique(poses).tolist():
+        each = order[first[i] : first[i + 1]]
+        if not len(ends) or ends[i, 0] < 0:
+            own[each] = 0
+            continue
+        some = allowed[slice(*ends[i])]
+        ahead = (psi[each, None] - some[:, 1] + ON_END) % TURN
+        inside = (some[:, 0] == branch[each, None]) & (ahead <= some[:, 2] - some[:, 1] + 2.0 * ON_END)
+        if len(some):
+            own[each] = np.where(inside.any(axis=1), inside.argmax(axis=1), -1)
+    return own

@@ -13,7 +13,7 @@ from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY
-from srs_ik.solve.path.problem import Problem, Way, copy, worth
+from srs_ik.solve.path.problem import Problem, Way, copy, nothing_held, worth
 from srs_ik.solve.path.search.around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path.search.blocks import Block, find_way, gone_back, held_in, through
 from srs_ik.solve.path.search.bridges import bridged
@@ -29,7 +29,7 @@ from srs_ik.solve.path.search.narrow import (
     held_between,
     worse,
 )
-from srs_ik.solve.path.search.on_curves import improve_in_free
+from srs_ik.solve.path.search.on_curves import worth_of
 from srs_ik.solve.path.search.polish import FINE, ROUGHLY, WIDTHS, improve
 
 SHORT = 32
@@ -77,13 +77,16 @@ SLIVER = 1e-4
 
 def found(problem: Problem) -> Way:
     """The best path, planned at key poses, filled in between, and refined, with velocity limits in what steps cost."""
-    if problem.free is not None and not problem.arm.closed:
-        # Along the true curves, a plan would leave what is free.
-        way = planned(replace(problem, in_closed_form=True))
-        close(problem, way)
-        improve_in_free(problem, way)
-        return way
-    return planned(problem)
+    if problem.free is None or problem.arm.closed:
+        return planned(problem)
+    # Strips of a near limb are cut to free intervals where its curves are known; else its nearest exact limb has some.
+    way = planned(problem) if problem.held_alone is not None else None
+    if way is None or worth(problem, way)[0]:
+        other = planned(replace(problem, in_closed_form=True, **nothing_held()))
+        close(problem, other)
+        improve(problem, other)
+        way = other if way is None else min(way, other, key=lambda each: worth_of(problem, each))
+    return way
 
 
 def as_exact(problem: Problem) -> Problem:

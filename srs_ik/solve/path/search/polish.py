@@ -18,9 +18,11 @@ from srs_ik.solve.path.problem import (
     breaks_in,
     copy,
     steps_of,
+    take,
     too_fast,
     worth,
 )
+from srs_ik.solve.path.search.on_curves import move_in_free
 from srs_ik.system.arrays import Array
 
 Breaks = NDArray[np.bool_]
@@ -57,6 +59,16 @@ def improve(problem: Problem, way: Way, widths: Array = WIDTHS, enough: float = 
     """Move the postures of a path, in place, to the best ones near them, or within a part `enough` of these."""
     if not way.reached.any():
         return
+    if problem.free is None or not problem.is_near:
+        _improve(problem, way, widths, enough)
+        return
+    move_in_free(problem, way, lambda asked, moved: _improve(asked, moved, widths, enough))
+    # Moves nothing, but tells what it costs.
+    refine(replace(problem, has_known=np.ones(len(way.q), np.bool_)), way, FINE, 0.0)
+
+
+def _improve(problem: Problem, way: Way, widths: Array, enough: float) -> None:
+    """`improve`, wherever that leads within the limits."""
     if problem.even:
         planned = copy(way)
         refine(replace(problem, limited=False), way, widths, enough)
@@ -151,12 +163,6 @@ def polish_kind(problem: Problem, way: Way, kind: int, scale: Array, loose: Brea
 def refine(problem: Problem, way: Way, widths: Array, enough: float) -> None:
     """Move the postures of a path, in place, through corridors of some widths, and all at once where that will do."""
     way.cost = entries.refine(*_told(problem, way, widths, enough), problem.limited, *_line(way))
-
-
-def take(way: Way, other: Way) -> None:
-    """Give a path the postures of another one."""
-    way.q, way.psi, way.branch, way.bounds = other.q, other.psi, other.branch, other.bounds
-    way.reached, way.cost = other.reached, other.cost
 
 
 def _told(problem: Problem, way: Way, widths: Array, enough: float) -> tuple[object, ...]:
