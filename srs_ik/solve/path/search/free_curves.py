@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels.layout.path import HELD_LINKED
+from srs_ik.kernels.layout.path import HELD, HELD_LINKED
 from srs_ik.solve.path.problem import Problem
 from srs_ik.solve.path.search.blocks import KEPT, held_in, through
-from srs_ik.solve.path.search.finer import finer
 from srs_ik.solve.path.search.on_curves import last_free, places_of, which_free
+from srs_ik.solve.pose import solve
 from srs_ik.system.arrays import Array
 
 Poses = NDArray[np.int64]
@@ -34,8 +34,8 @@ def curves_of(problem: Problem) -> Curves | None:
     blocks = through(whole, keys, False)[1]
     if len(blocks) > KEPT:
         return None
-    told = held_in(whole, keys, blocks)
-    rows, poses = told.held, told.held_of
+    known = held_in(whole, keys, blocks)
+    rows, poses = known.held, known.held_of
     return Curves(rows, poses, *places_of(problem, poses, rows[:, :7]))
 
 
@@ -58,4 +58,26 @@ def on_free_curves(problem: Problem, curves: Curves) -> Problem:
     places = np.concatenate([np.flatnonzero(free), ends_in + 0.5, ends_out + 0.5])
     order = np.argsort(places, kind="stable")
     held, held_of = np.vstack([told[free], ends])[order], np.append(poses[free], poses[inner])[order]
-    return replace(problem, held=held, held_of=held_of, held_alone=np.ones(len(problem.T), np.bool_))
+    slivers, slivers_of = between_postures(problem, poses, own)
+    held, held_of = np.vstack([held, slivers]), np.append(held_of, slivers_of)
+    order = np.argsort(held_of, kind="stable")
+    alone = np.ones(len(problem.T), np.bool_)
+    return replace(problem, held=held[order], held_of=held_of[order], held_alone=alone)
+
+
+def between_postures(problem: Problem, poses: Poses, own: NDArray[np.int64]) -> tuple[Array, Poses]:
+    """(k, HELD) one posture of each free interval so narrow that no posture of the curves is in it, and (k,) its pose.
+
+    `own` (h,) are the intervals of postures of some poses.
+    """
+    allowed, ends = problem.allowed()
+    empty = np.ones(len(allowed), np.bool_)
+    empty[(ends[poses, 0] + own)[own >= 0]] = False
+    rows, of = [], []
+    for i in np.flatnonzero(~problem.has_known).tolist():
+        for branch, lower, upper in allowed[slice(*ends[i])][empty[slice(*ends[i])]].tolist():
+            found = solve(problem.arm, problem.T[i], 0.5 * (lower + upper), None, int(branch), True)
+            if found:
+                rows.append([*found.q, 0.0, branch, 0.0])
+                of.append(i)
+    return np.array(rows).reshape(-1, HELD), np.array(of, np.int64)
