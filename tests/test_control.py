@@ -271,6 +271,32 @@ def test_the_arm_angle_is_pulled_along_its_derivatives():
         assert c.torque(q, np.zeros(7)) == pytest.approx(share * g * float(TURN.force(0.3)), rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.parametrize("law", ["A", "spring"])
+def test_an_arm_angle_gives_back_what_it_took_where_its_derivatives_are_scaled_down(law):
+    """The elbow turns around within a millimetre of the line from shoulder to wrist, and comes back far from it."""
+    arm, dt = arms.load("iiwa14"), 1.0 / 2000.0
+    c = TorqueController(arm, [FractalImpedance("arm_angle", ForceProfile.tanh(30.0, 10.0), law)], gravity=False)
+    q = np.array([0.0, 0.8, 0.005, -0.6, 0.0, 0.5, 0.0])
+    c.set_posture(q)
+    given, most = 0.0, -np.inf
+    for joint, turn, seconds in ((1, -1.6, 1.5), (2, np.pi, 3.0)):
+        for s in np.arange(0.0, 1.0, dt / seconds):
+            now, v = q.copy(), np.zeros(7)
+            now[joint] += turn * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5)
+            v[joint] = turn * (30.0 * s**2 - 60.0 * s**3 + 30.0 * s**4) / seconds
+            c.torque(now, v)
+            given += c.power * dt
+            most = max(most, given)
+        q[joint] += turn
+        if joint == 1:
+            reading = c.readings[0]
+            assert abs(reading.error[0]) > 3.0
+            # The elbow turns around in some 30 periods: sums over these are off by as much.
+            taken = -given
+            assert 0.0 < reading.energy < 1.1 * taken
+    assert most < 0.1 * taken
+
+
 def test_joint_limits_push_back_within_their_zone_alone():
     arm = arms.load("iiwa14")
     limits = JointLimits(margin=0.2)

@@ -81,10 +81,22 @@ def pull(port, state, error, velocity):
 
 
 @kernel
-def pull_angle(port, state, error, rate):
-    """Torque for the error of one angle and its rate; notes what it did."""
+def pull_angle(port, state, error, rate, share):
+    """Torque for the error of one angle, and the rate at which it does work; notes what it did.
+
+    `share` is that rate over the one of the angle itself. Where it is below one, the arm gives less than the profile
+    takes, and gets as much less back.
+    """
+    last, size = state[at.LAST], abs(error)
     h = along_axis(port, state, 0, error, rate)
-    state[at.ENERGY] = energy(port, abs(error))
+    stored = energy(port, size)
+    if size > last >= 0.0 and stored > 0.0 and (share < 1.0 or state[at.LOST] > 0.0):
+        before = energy(port, last)
+        state[at.LOST] = (state[at.LOST] * before + (1.0 - share) * (stored - before)) / stored
+    given = 1.0 - state[at.LOST]
+    if state[at.CONVERGING] == 1.0:
+        h *= given
+    state[at.ENERGY] = given * stored
     return damped(port, state, (error, 0.0, 0.0), (rate, 0.0, 0.0), (h, 0.0, 0.0))[0]
 
 

@@ -79,7 +79,7 @@ def turn_elbow(P, port, state, motion, work):
         derivatives[joint] *= share
         rate += derivatives[joint] * motion.v[joint]
     error = short_way(port[at.TARGET] - angle_at(P, motion)) if exists else 0.0
-    h = pull_angle(port, state, error, rate)
+    h = pull_angle(port, state, error, rate, share)
     for joint in range(7):
         work[at.TORQUE, joint] += derivatives[joint] * h
 
@@ -90,7 +90,7 @@ def keep_off(port, state, motion, torque):
     joint = int(port[at.JOINT])
     error = max(port[at.TARGET] - motion.q[joint], 0.0) + min(port[at.TARGET + 1] - motion.q[joint], 0.0)
     speed = motion.v[joint] if error != 0.0 else 0.0
-    torque[joint] += pull_angle(port, state, error, speed)
+    torque[joint] += pull_angle(port, state, error, speed, 1.0)
 
 
 @kernel

@@ -39,13 +39,14 @@ PEAK = 3  # 3: largest error of the current divergence
 CONVERGING = 6  # 3: 1.0 while the error shrinks
 ERROR = 9  # 3: m, rad
 FORCE = 12  # 3: N, N m, without damping
-ENERGY = 15  # J: of the profile at the error, what the port can give back at most
+ENERGY = 15  # J: of the profile at the error, less what is lost of it: what the port can give back at most
 POWER = 16  # W: that flows into the arm, with damping
 MOVED = 17  # 1.0 where the target has moved since the last tick
 FRAME = 18  # 9: axes of the radial form, row by row
 SIZE = 27  # m, rad: distance at the last tick; negative before the first one
 PHASE = 28  # one of the phases below
-STATE = 29
+LOST = 29  # part of the profile's energy that the arm has not given: of an arm angle, where J' was scaled down
+STATE = 30
 
 # Phases of the radial form.
 LEAVING = 0.0  # the distance has grown since the beginning: the first axis follows the error
