@@ -82,6 +82,36 @@ def test_a_broken_path_is_exit_status_1_with_the_line_of_the_file(tmp_path):
     assert broken["status"][first.sample] == "UNREACHABLE"
 
 
+def test_a_path_starts_where_the_robot_stands(tmp_path):
+    poses = line_of_poses(20)
+    arm, file = srs_ik.load("iiwa14"), write(tmp_path / "poses.csv", poses)
+    stands = arm.solve_all(poses[0])[1].q
+    got = answer("path", "iiwa14", file, "--start", *map(str, stands))
+    np.testing.assert_allclose(got["q"][0], stands, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(got["q"], arm.solve_path(poses, known={0: stands}).q, rtol=0.0, atol=1e-6)
+    missed = run("path", "iiwa14", file, "--start", *map(str, stands + 0.1))
+    assert (missed.exit_code, missed.stderr.count("\n")) == (2, 1)
+
+
+@pytest.mark.parametrize(
+    ("word", "unit"), [("0.3", []), ("0.3,1,1,1,1,1,0.2", []), ("17.188733853924695", ["--degrees"])]
+)
+def test_a_path_keeps_velocities_that_are_given(tmp_path, word, unit):
+    poses = line_of_poses(20)
+    words = ["--objective", "time", "--acceleration", "400" if unit else "8", *unit, "--velocity", word]
+    file = write(tmp_path / "poses.csv", poses)
+    limit = np.array([float(each) for each in word.split(",")]) * np.ones(7) * (np.pi / 180.0 if unit else 1.0)
+    pushes = np.full(7, np.deg2rad(400.0) if unit else 8.0)
+    arm = srs_ik.load("iiwa14").with_limits(velocity=limit)
+    got = answer("path", "iiwa14", file, *words)
+    expected = arm.solve_path(poses, objective="time", acceleration_limit=pushes)
+    if not unit:  # the angles of the poses are radians
+        np.testing.assert_allclose(got["times"], expected.times, rtol=1e-6)
+    steps, spent = np.abs(np.diff(got["q"], axis=0)), np.diff(got["times"])[:, None]
+    assert (steps <= limit * spent + 1e-9).all()
+    assert (steps > 0.9 * limit * spent).any()
+
+
 @pytest.mark.parametrize("word", ["8", "8,8,9,9,10,10,11"])
 def test_limits_of_acceleration_give_the_times_at_which_poses_are_passed(tmp_path, word):
     poses = line_of_poses(20)
@@ -202,6 +232,9 @@ def test_empty_cells_behind_a_line_are_nothing(tmp_path):
         (["--dt", "1_0"], "--dt takes a number, not '1_0'"),
         (["--dt", "0"], "--dt takes a positive number"),
         (["--longest-step", "-1"], "--longest-step"),
+        (["--velocity", "0"], "--velocity takes a positive number"),
+        (["--velocity", "1,2"], "--velocity takes one number, or 7"),
+        (["--start", "1", "2"], "--start takes 7 numbers, not 2"),
         (["--seed", "1", "2"], "--seed takes 7 numbers, not 2"),
         (["--acceleration", "5"], "--acceleration goes with --objective time"),
         (["--objective", "time", "--acceleration", "5,6"], "--acceleration takes one number, or 7"),

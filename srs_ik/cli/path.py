@@ -46,6 +46,9 @@ def path(
     seed: Annotated[
         Seven | None, typer.Option(metavar=JOINTS, help="Start near these joint angles; anywhere if not given.")
     ] = None,
+    start: Annotated[
+        Seven | None, typer.Option(metavar=JOINTS, help="Joint angles held at the first pose: where the robot stands.")
+    ] = None,
     free_axis: freedom.Axis = None,
     cone: freedom.Cone = None,
     dt: Annotated[
@@ -60,6 +63,13 @@ def path(
     objective: Annotated[
         Least, typer.Option(help="What is least among the paths with the fewest breaks.")
     ] = Least.sum_of_squares,
+    velocity: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RAD/S",
+            help="Largest velocity of every joint, or seven with commas between them; the robot's if not given.",
+        ),
+    ] = None,
     acceleration: Annotated[
         str | None,
         typer.Option(
@@ -112,6 +122,9 @@ def path(
         options["free_axis"] = free
     if seed is not None:
         options["seed"] = angles("--seed", seed, unit)
+    if start is not None:
+        options["known"] = {0: angles("--start", start, unit)}
+    limits = None if velocity is None else [unit * each for each in _for_each_joint("--velocity", velocity)]
     if dt is not None:
         options["dt"] = _positive("--dt", dt)
     if longest_step is not None:
@@ -129,6 +142,8 @@ def path(
     from srs_ik.loading import load
 
     arm = with_meshes(load(source, **chosen), meshes)
+    if limits is not None:
+        arm = arm.with_limits(velocity=limits)
     with at_work(f"a path through {len(T_base_tip)} poses"):
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found and every is None:
@@ -176,13 +191,17 @@ def _positive(option: str, word: str) -> float:
 
 
 def _accelerations(word: str, objective: Least) -> list[float]:
-    """One figure for all joints, or one for each."""
     if objective is not Least.time:
         raise WrongInput(f"--acceleration goes with --objective time, not with {objective.value}")
+    return _for_each_joint("--acceleration", word)
+
+
+def _for_each_joint(option: str, word: str) -> list[float]:
+    """Seven figures of an option that takes one for all joints, or one for each."""
     words = word.split(",")
     if len(words) not in (1, 7):
-        raise WrongInput(f"--acceleration takes one number, or 7 with commas between them, not {len(words)}")
-    found = [_positive("--acceleration", each) for each in words]
+        raise WrongInput(f"{option} takes one number, or 7 with commas between them, not {len(words)}")
+    found = [_positive(option, each) for each in words]
     return found * 7 if len(found) == 1 else found
 
 

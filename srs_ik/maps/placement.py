@@ -69,9 +69,7 @@ class Placement:
         return best
 
     def __bool__(self) -> bool:
-        raise TypeError(
-            "a ranking has no truth value: placement[0].share is what the best reaches"
-        )
+        raise TypeError("a ranking has no truth value: placement[0].share is what the best reaches")
 
     def __len__(self) -> int:
         return len(self.order)
