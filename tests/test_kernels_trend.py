@@ -8,8 +8,17 @@ from scipy.integrate import solve_ivp
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import store_pose
-from srs_ik.kernels.layout.track import ROTATION, STATE
-from srs_ik.kernels.track.trend import LASTS, coast, foretold, forget, learn
+from srs_ik.kernels.layout.track import ROTATION, STATE, TREND_JOLT, TREND_PACE, TREND_PUSH
+from srs_ik.kernels.track.trend import (
+    JOLT_SHAKEN,
+    LASTS,
+    PACE_SHAKEN,
+    PUSH_SHAKEN,
+    coast,
+    foretold,
+    forget,
+    learn,
+)
 
 DT = 0.002
 MEMORY = 0.03
@@ -36,7 +45,7 @@ def seen(state, every, R, p):
 @njit
 def expected(state, seconds):
     """Where it is expected then."""
-    R, p = foretold(row(state, 0), seconds)
+    R, p = foretold(row(state, 0), seconds, (1.0, 1.0, 1.0))
     keep(state)
     return R, p
 
@@ -74,3 +83,29 @@ def test_a_target_of_constant_jolt_is_foretold_without_a_lag(seed, every):
         # Nearer to where it truly goes than without a jolt.
         straight = np.linalg.norm(move[2]) * seconds**3 / 6.0
         assert np.linalg.norm(p - cubic(seconds, move)) < 0.4 * straight + 1e-8
+
+
+SHAKEN_MEMORY = 0.1
+"""Long against a period, s: what noise makes of a trend is known for that."""
+
+
+@njit
+def shaken(state, p, found):
+    """What a trend is after each of many poses that do not turn: velocity, acceleration and jolt along one axis."""
+    S = row(state, 0)
+    R = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    forget(S, R, (0.0, 0.0, 0.0))
+    for k in range(len(p)):
+        learn(S, DT, DT, SHAKEN_MEMORY, (R, (p[k], 0.0, 0.0)))
+        found[k, 0], found[k, 1], found[k, 2] = S[TREND_PACE], S[TREND_PUSH], S[TREND_JOLT]
+    keep(state)
+
+
+def test_what_white_noise_makes_of_a_trend_is_known():
+    noise = np.random.default_rng(77).normal(0.0, 1e-3, 200_000)
+    found = np.empty((len(noise), 3))
+    shaken(np.zeros((1, STATE)), noise, found)
+    squares = (found[2000:] ** 2).mean(axis=0)
+    told = 1e-6 * DT / SHAKEN_MEMORY ** np.array([3.0, 5.0, 7.0]) * [PACE_SHAKEN, PUSH_SHAKEN, JOLT_SHAKEN]
+    # A period is a fiftieth of the memory, which comes in up to the seventh power.
+    assert squares == pytest.approx(told, rel=0.15)

@@ -2,6 +2,7 @@
 
 import arms
 import numpy as np
+import pinocchio as pin
 import pytest
 from tracked import velocities
 
@@ -54,6 +55,26 @@ def test_the_elbow_does_not_wander_as_a_slow_target_comes_again_and_again(name, 
     turned = np.array([swivel(name, q0, q) for q in ends])
     assert np.abs(np.diff(turned[-3:])).max() < 3e-3
     assert np.ptp(turned[14:]) < 0.02
+
+
+SHAKEN = (1e-3, np.radians(0.5))
+"""Standard deviations of jitter, m along an axis and rad about one."""
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_the_elbow_stays_where_jitter_shakes_a_target_at_rest(name):
+    q0, seconds = STARTS["iiwa14"][0], 20
+    T, rng = arms.forward(name)(np.array(q0)).homogeneous, np.random.default_rng(2)
+    tracker = arms.load(name).tracker(q0, DT, velocities(arms.load(name)))
+    q = np.empty((round(seconds / DT), 7))
+    for k in range(len(q)):
+        pose = T.copy()
+        pose[:3, 3] += rng.normal(0.0, SHAKEN[0], 3)
+        pose[:3, :3] = pose[:3, :3] @ pin.exp3(rng.normal(0.0, SHAKEN[1], 3))
+        q[k] = tracker.update(pose).q
+    means = q.reshape(seconds, -1, 7).mean(axis=1)
+    # Where plans take noise for a motion, it turns by 0.5 rad and more.
+    assert max(abs(swivel(name, q0, each)) for each in means) < 0.2
 
 
 ASKED = (

@@ -21,7 +21,7 @@ from srs_ik.kernels.track.closest import column, dot6, error_at
 from srs_ik.kernels.track.elbow import keep_elbow, slope, wish
 from srs_ik.kernels.track.freedom import whole_rotation
 from srs_ik.kernels.track.target import load_pace
-from srs_ik.kernels.track.trend import foretold
+from srs_ik.kernels.track.trend import foretold, sure_of
 
 LINEAR, SQUARE = 0.012, 0.021
 """Knot k of a plan is k LINEAR + k^2 SQUARE seconds ahead: the near future in detail, 1.1 s in all."""
@@ -180,12 +180,12 @@ def add_room(P, S, B, price, verge):
 
 
 @kernel
-def add_poses(P, S, C, J, B):
-    """Add what missing the expected poses costs."""
+def add_poses(P, S, C, sure, J, B):
+    """Add what missing the expected poses costs; `sure` is as in `foretold`."""
     for k in range(at.KNOTS):
         q = read7(row(S, at.KNOT + 7 * k))
         t = when(k + 1)
-        R, p = foretold(S, t)
+        R, p = foretold(S, t, sure)
         e, size = error_at(P, C, q, (R, p), TURNING * P[FAR], J)
         fine = FINE + COARSE * t * t
         price = 1.0 / (fine * fine * max(1.0, size / max(FAR_OFF, 2.0 * fine)))
@@ -198,10 +198,10 @@ def add_poses(P, S, C, J, B):
 
 
 @kernel
-def add_wish(P, S, C, task, calm, J, B):
+def add_wish(P, S, C, task, calm, sure, J, B):
     """Add what is asked of the elbow; `calm` is the share by which it is drawn back where it is kept."""
     q = read7(row(S, at.KNOT + 7 * (ASKED - 1)))
-    R, p = foretold(S, when(ASKED))
+    R, p = foretold(S, when(ASKED), sure)
     pose = whole_rotation(P, C, q, R), p
     way, pull = wish(P, S, C, task, q, pose, calm, J)
     if pull == 0.0:
@@ -225,20 +225,20 @@ def singular_share(P, S):
 
 
 @kernel
-def improve(P, S, C, task, work):
-    """A step of Gauss and Newton of the plan; arguments as in `foresee`."""
+def improve(P, S, C, task, sure, work):
+    """A step of Gauss and Newton of the plan; arguments as in `foresee`, `sure` as in `foretold`."""
     J, _, B = work
     for i in range(7 * at.KNOTS):
         for k in range(at.BAND + 2):
             B[i, k] = 0.0
-    keep, busy = C[at.ELBOW] == at.KEEP, busyness(P, S)
+    keep, busy = C[at.ELBOW] == at.KEEP, sure[0] * busyness(P, S)
     # Steep, so that what is slower than that is hardly drawn aside, and what is faster as ever.
     fast = 1.0 / (1.0 + (CALM / max(pace(P, S), PACED)) ** 8)
     calm = busy * (1.0 - fast) * singular_share(P, S)
     add_motion(S, C, SLOW + (1.0 - calm) * (KEPT_SLOW - SLOW) if keep else SLOW, B)
     add_room(P, S, B, PRICE * busy, VERGE if keep else max(busy, THIN) * VERGE)
-    add_poses(P, S, C, J, B)
-    add_wish(P, S, C, task, calm, J, B)
+    add_poses(P, S, C, sure, J, B)
+    add_wish(P, S, C, task, calm, sure, J, B)
     solve_band(B, 7 * at.KNOTS, at.BAND)
     for j in range(7):
         before = S[at.PLAN_Q + j]
@@ -258,8 +258,9 @@ def foresee(P, S, C, task, work):
     if S[at.PLANNED] == 0.0 or C[at.ELBOW] != at.KEEP:
         keep_elbow(P, S)
     begin(S)
+    sure = sure_of(P, S, C)
     for _ in range(STEPS):
-        improve(P, S, C, task, work)
+        improve(P, S, C, task, sure, work)
     first = when(1)
     for j in range(7):
         S[at.PLAN_A + j] = 2.0 * (S[at.KNOT + j] - S[at.PLAN_Q + j] - first * S[at.PLAN_V + j]) / first**2

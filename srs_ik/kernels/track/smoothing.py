@@ -12,16 +12,12 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.track.noise import asked_for, measure, skip
 from srs_ik.kernels.track.target import moved_on, part_of_way, way_to
-from srs_ik.kernels.track.trend import coast, forget, last_pace, learn, next_pace
+from srs_ik.kernels.track.trend import coast, forget, last_pace, learn, memory_of, next_pace
 
-MEMORY = 0.03
-"""Time constant with which the trend of a target without noise is forgotten, seconds."""
-
-TRENDED = 1.5
 ESTIMATED = 3.0
 FOLLOWED = 0.5
-"""By the time constant of the smoothing: what is added to the memory of the trend, the memory of the estimate, and the
-time constant of what follows it. Chosen together, by time on target and accelerations with jitter."""
+"""By the time constant of the smoothing: the memory of the estimate, and the time constant of what follows it. Chosen
+together with `TRENDED`, by time on target and accelerations with jitter."""
 
 
 @kernel
@@ -74,7 +70,7 @@ def take_target(P, S, C, pose):
     seconds = asked_for(P, S, C) if C[at.SMOOTHING] == at.MEASURED else C[at.SMOOTHING]
     S[at.SMOOTHED] = seconds
     v, w = next_pace(S, t)
-    if S[at.STARTED] == 0.0 or not learn(S, t, since, MEMORY + TRENDED * seconds, pose):
+    if S[at.STARTED] == 0.0 or not learn(S, t, since, memory_of(S), pose):
         S[at.STARTED], S[at.PLANNED] = 1.0, 0.0
         forget(S, pose[0], pose[1])
         show(S, pose, still, still)
