@@ -31,7 +31,6 @@ from srs_ik.kernels.curves.laid import lay_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_behind_ends, put_mark
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, FAR, SHOULDER, TOP_GAP, WRIST
-from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_midway, put_starts
@@ -45,10 +44,6 @@ MOST_ANGLES = STARTS_OBLIQUE + 16
 
 ASIDE = 2.0
 """Where shoulder or wrist come within so many of the widths at which they count as singular, there are others."""
-
-MOST_BOUNCED, BOUNCED = 6, 1e-2
-"""Of starts with the same signs of shoulder and wrist, so many one after the other may end with an error above the
-second one, m and rad: they are led about where no posture is, and so are most likely the others."""
 
 MORE_STARTS = 512
 """Room for starts where several parts of a limb are singular."""
@@ -87,9 +82,6 @@ HIGHEST = 2.0
 
 HIGHER = 1e-3
 """... above that."""
-
-WELL_TOLD = 1e-3
-"""Where the greatest room is within the square of this, rad, of none, rounding decides what there is."""
 
 ROOM = 1e-2
 """Where the best bend leaves so much room, rad, to both sides, Newton's method does without the very greatest reach."""
@@ -178,19 +170,18 @@ def extend_open(P, by, rows, curves, n, count):
 
 
 @kernel
-def put_outermost(P, by, which, around, starts, n):
+def put_outermost(P, by, which, reaches, starts, n):
     """Append postures of the curves about the greatest reaches that are past a pose, or those of these; their number.
 
-    `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around; `around` is
-    what is known at all turns, and how many these are for each pair of signs.
+    `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around; `reaches` is
+    what is known at all turns.
     """
-    reaches, turns = around
     curvature = outreach.curvature_of(P, level_place(by.target.place))
     lowest = -2.0 * HIGHER * P[FAR] / abs(curvature)
     for signs in range(4):
-        for k in range(turns[signs] if (which >> signs) & 1 == 1 else 0):
-            i = outreach.MOST_TURNS * signs + k
-            a, b = reaches[i], reaches[outreach.next_turn(turns, i)]
+        for k in range(outreach.TURNS if (which >> signs) & 1 == 1 else 0):
+            i = outreach.TURNS * signs + k
+            a, b = reaches[i], reaches[outreach.next_turn(i)]
             if greatest_between(a, b) > lowest and n + 2 <= starts.shape[0]:
                 n = put_pair(P, by, (a, a[2] + short_way(b[2] - a[2]), b[outreach.REACH_RISE]), curvature, starts, n)
     return n
@@ -207,22 +198,6 @@ def greatest_between(a, b):
         b[outreach.REACH_ROOM] + width * abs(b[outreach.REACH_RISE]),
     )
     return top if rises else -math.inf
-
-
-@kernel
-def well_told(around, known):
-    """Of the known pairs of signs, as bits, those whose greatest room is well above nothing, or well below."""
-    reaches, turns = around
-    told = known
-    for signs in range(4):
-        most = top = -math.inf
-        for k in range(turns[signs]):
-            i = outreach.MOST_TURNS * signs + k
-            most = max(most, reaches[i, outreach.REACH_ROOM])
-            top = max(top, greatest_between(reaches[i], reaches[outreach.next_turn(turns, i)]))
-        if most < WELL_TOLD**2 and max(most, top) > -(WELL_TOLD**2):
-            told &= ~(1 << signs)
-    return told
 
 
 @kernel
@@ -269,20 +244,19 @@ def follow_all(P, by, which, rows, curves):
     """
     R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
-    around = outreach.reaches_around()
+    reaches = np.empty((4 * outreach.TURNS, outreach.REACH))
     known = 0
     ends = EVERY_SPLIT if outreach.is_almost_straight(P, by.target.place) else 0
     if outreach.may_be_straight(P, by.target.place):
-        known, clear = outreach.put_reaches(P, by.target, which, around)
-        ends = outreach.splits_with_ends(around[0])
+        known, clear = outreach.put_reaches(P, by.target, which, reaches)
+        ends = outreach.splits_with_ends(reaches)
         if clear == which and not oblique:
-            count = lay_curves(P, by, around, rows, curves)
+            count = lay_curves(P, by, which, reaches, rows, curves)
             if count >= 0:
                 return count, which
         if which != outreach.EVERY_PAIR:
-            known, _ = outreach.put_reaches(P, by.target, outreach.EVERY_PAIR, around)
-            ends = outreach.splits_with_ends(around[0])
-    told = 0 if oblique else well_told(around, known)
+            known, _ = outreach.put_reaches(P, by.target, outreach.EVERY_PAIR, reaches)
+            ends = outreach.splits_with_ends(reaches)
     angles = np.empty(MOST_ANGLES)
     n_angles = put_angles(P, by.target.place, STARTS_OBLIQUE if oblique else STARTS, angles)
     marks = np.empty((8 * n_angles, MARK))
@@ -294,7 +268,7 @@ def follow_all(P, by, which, rows, curves):
     n_splits = put_splits(P, by.target, by.J, missed, n_off)
     n_surface = put_starts(P, by.target.place, ends, missed, n_splits)
     alone = np.empty((MOST_LEFT, CENTRE))
-    n_outer = put_outermost(P, by, signs & known, around, missed, n_surface)
+    n_outer = put_outermost(P, by, signs & known, reaches, missed, n_surface)
     n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))
     if n_marks > 0:
         follow_marks(P, by.target, in_step.LONGEST_STEP, marks[:n_marks], n_marks, pieces)
@@ -302,7 +276,6 @@ def follow_all(P, by, which, rows, curves):
     n, count = extend_open(P, by, rows, curves, n, count)
     n_missed = put_behind_ends(P, by, rows, curves, count, missed, n_missed)
     vague = 0
-    bounced = np.zeros(4, np.int64)
     bring_to_curves(P, by, missed, n_off, n_missed)
     for i in range(n_missed):
         if count >= curves.shape[0]:
@@ -311,12 +284,7 @@ def follow_all(P, by, which, rows, curves):
         brought = missed[i, MARK_NEXT] == 1.0
         if brought and is_known(P, by, q, t, rows, curves, count):
             continue
-        own = branch_of(P, q) & 3
-        # Where all reaches are known, they tell what these starts might lead to.
-        if not brought and i < n_off and (bounced[own] >= MOST_BOUNCED or (told >> own) & 1 == 1):
-            continue
         q, error = newton.close_gently(P, q, R, p, False, by.J, by.A)
-        bounced[own] = bounced[own] + 1 if error > BOUNCED else 0
         if error > newton.LEFT or (error > newton.CLOSED and vague >= MOST_LEFT):
             continue
         t, sign = tangent_at(P, by, q)
@@ -342,4 +310,4 @@ def follow_all(P, by, which, rows, curves):
             for x in range(2):
                 n = put(rows, n, x * POINT, q)
             count += 1
-    return count, outreach.EVERY_PAIR if told == outreach.EVERY_PAIR else 0
+    return count, 0

@@ -142,47 +142,43 @@ def lay_stretch(nodes, n, is_whole, work, out):
 
 
 @kernel
-def put_stretch(around, ends, n_ends, gaps, i, nodes):
+def put_stretch(reaches, ends, n_ends, gaps, i, nodes):
     """Put together what is known on the stretch from an end of the room, behind which there is some, to the next one.
 
     Returns the number of rows.
     """
-    reaches, turns = around
-    signs = int(gaps[i]) // outreach.MOST_TURNS
+    signs = int(gaps[i]) // outreach.TURNS
     # The next one of the same signs, all around.
     j = i + 1 if i + 1 < n_ends else 0
-    while int(gaps[j]) // outreach.MOST_TURNS != signs:
+    while int(gaps[j]) // outreach.TURNS != signs:
         j = j + 1 if j + 1 < n_ends else 0
     n = put_node(nodes, 0, ends[i], True)
     at = int(gaps[i])
     while at != int(gaps[j]):
-        at = outreach.next_turn(turns, at)
+        at = outreach.next_turn(at)
         n = put_node(nodes, n, reaches[at], False)
     return put_node(nodes, n, ends[j], True)
 
 
 @kernel
-def lay_predicted(around, ends, n_ends, gaps, out):
+def lay_predicted(which, reaches, ends, n_ends, gaps, out):
     """Lay out all curves of a pose, not yet on the true chain: rows and curves in use, -1 for the rows if not told."""
-    nodes, work = (
-        np.empty((outreach.MOST_TURNS + 2, outreach.REACH)),
-        (np.empty(outreach.MOST_TURNS + 2), np.empty(2 * MOST_STATIONS)),
-    )
-    reaches, turns = around
+    nodes = np.empty((outreach.TURNS + 2, outreach.REACH))
+    work = np.empty(outreach.TURNS + 2), np.empty(2 * MOST_STATIONS)
     rows, curves = out
     n, count = 0, 0
     ended = 0
     for i in range(n_ends):
-        ended |= 1 << (int(gaps[i]) // outreach.MOST_TURNS)
+        ended |= 1 << (int(gaps[i]) // outreach.TURNS)
         if n >= 0 and reaches[int(gaps[i]), outreach.REACH_ROOM] <= 0.0:
-            used = put_stretch(around, ends, n_ends, gaps, i, nodes)
+            used = put_stretch(reaches, ends, n_ends, gaps, i, nodes)
             n, count = lay_stretch(nodes, used, False, work, (rows, curves, n, count))
     for signs in range(4):
-        first = outreach.MOST_TURNS * signs
-        if n >= 0 and turns[signs] > 0 and (ended >> signs) & 1 == 0 and reaches[first, outreach.REACH_ROOM] > 0.0:
-            for k in range(turns[signs] + 1):
-                outreach.copy_reach(reaches, first + k % turns[signs], nodes, k)
-            n, count = lay_stretch(nodes, turns[signs] + 1, True, work, (rows, curves, n, count))
+        first = outreach.TURNS * signs
+        if n >= 0 and ((which & ~ended) >> signs) & 1 == 1 and reaches[first, outreach.REACH_ROOM] > 0.0:
+            for k in range(outreach.TURNS + 1):
+                outreach.copy_reach(reaches, first + k % outreach.TURNS, nodes, k)
+            n, count = lay_stretch(nodes, outreach.TURNS + 1, True, work, (rows, curves, n, count))
     return n, count
 
 
@@ -209,18 +205,17 @@ def is_curve(rows, first, last):
 
 
 @kernel
-def lay_curves(P, by, around, rows, curves):
+def lay_curves(P, by, which, reaches, rows, curves):
     """Lay out the curves of a pose whose elbow is almost straight; their number, -1 where they have to be followed.
 
-    With all signs of shoulder and wrist for which there are turns, at all of which these are away from singular.
-    `around` is what is known there (`put_reaches`); other turns are put between them.
+    With all signs of shoulder and wrist that are named by bits, with which these are away from singular at all turns.
+    `reaches` is what is known there (`put_reaches`).
     """
     ends, gaps = np.empty((outreach.MOST_ENDS, outreach.REACH)), np.empty(outreach.MOST_ENDS)
-    outreach.insert_turns(P, by, around)
-    n_ends = outreach.find_ends(P, by, around, ends, gaps)
+    n_ends = outreach.find_ends(P, by, which, reaches, ends, gaps)
     if n_ends < 0:
         return -1
-    n, count = lay_predicted(around, ends, n_ends, gaps, (rows, curves))
+    n, count = lay_predicted(which, reaches, ends, n_ends, gaps, (rows, curves))
     if n <= 0:
         return n
     for i in range(0, n, 8):

@@ -15,7 +15,6 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
 from srs_ik.kernels.algebra.lanes import ALL, as_bits, eight_of, larger, scatter
-from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import copy, read7, row
 from srs_ik.kernels.algebra.vectors import along, cross, dot, scale
 from srs_ik.kernels.chain.eight import highest, put_eight, sines_of_eight, take_eight
@@ -29,8 +28,7 @@ from srs_ik.kernels.limb.surface import level_place
 from srs_ik.kernels.limb.triangle import elbow_side
 
 TURNS = 16
-MOST_TURNS = TURNS + 2
-"""Turns, all around, at which reaches are looked at, and room for others between them."""
+"""Turns, all around, at which reaches are looked at."""
 
 EVERY_PAIR = 0b1111
 """The pairs of signs of shoulder and wrist, as bits."""
@@ -148,32 +146,24 @@ def curvature_of(P, level):
 
 
 @kernel
-def reaches_around():
-    """Room for what is known at all turns (`REACH`), and how many these are for each pair of signs."""
-    return np.empty((4 * MOST_TURNS, REACH)), np.zeros(4, np.int64)
-
-
-@kernel
-def put_reaches(P, target, which, around):
+def put_reaches(P, target, which, reaches):
     """Write what is known at all turns (`REACH`), for pairs of signs of shoulder and wrist one turn after another.
 
-    Of those pairs that are named by bits. `around` is for that, MOST_TURNS rows a pair, and for their numbers of turns.
+    Of those pairs that are named by bits. `reaches` is for that, TURNS rows a pair.
     Returns as bits the pairs for which it is known, and those whose shoulder and wrist are away from singular.
     """
-    reaches, turns = around
     level = level_place(target.place)
     curvature = curvature_of(P, level)
     sides = elbow_side(P, level, 0), elbow_side(P, level, 1)
     eight = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
     known = clear = which
     for signs in range(4):
-        turns[signs] = TURNS if (which >> signs) & 1 == 1 else 0
         most, least = 0.0, 1.0
-        for first in range(0, turns[signs], 8):
+        for first in range(0, TURNS if (which >> signs) & 1 == 1 else 0, 8):
             c, s = turn(2.0 * math.pi / TURNS * (eight + first))
             q, sure = eight_postures(P, sides, 0.0 * eight + signs, c, s)
             q, room, rise, turning, bending, met = best_bends(P, target, q, curvature, False)
-            put_best(row(reaches, MOST_TURNS * signs + first), (q, room, rise, turning, bending))
+            put_best(row(reaches, TURNS * signs + first), (q, room, rise, turning, bending))
             s2, _, s6 = sines_of_eight(P, q)
             if sure & met != ALL:
                 known &= ~(1 << signs)
@@ -194,10 +184,10 @@ def splits_with_ends(reaches):
     which = 0
     for i in range(4):
         a, b = (i, i + 2) if i < 2 else (2 * i - 4, 2 * i - 3)
-        least = most = reaches[MOST_TURNS * a, REACH_ROOM]
+        least = most = reaches[TURNS * a, REACH_ROOM]
         rest = 0.0
         for k in range(2 * TURNS):
-            room = reaches[MOST_TURNS * (a if k < TURNS else b) + k % TURNS, REACH_ROOM]
+            room = reaches[TURNS * (a if k < TURNS else b) + k % TURNS, REACH_ROOM]
             least, most, rest = min(least, room), max(most, room), rest + 0.0 * room
         # Where a room is no number, nothing is told.
         if not (rest == 0.0 and (2.0 * least > most or 2.0 * most < least)):
@@ -217,10 +207,9 @@ def put_best(rows, found):
 
 
 @kernel
-def next_turn(turns, i):
-    """The row of the turn behind that in row i, where each pair of signs has some turns."""
-    signs, k = i // MOST_TURNS, i % MOST_TURNS
-    return i + 1 if k + 1 < turns[signs] else i - k
+def next_turn(i):
+    """The row of the turn behind that in row i, of the same pair of signs."""
+    return i + 1 if (i + 1) % TURNS != 0 else i + 1 - TURNS
 
 
 @kernel
@@ -231,14 +220,14 @@ def pairs_on_line(P, target):
     """
     if P[NEAR] < SHORTEST:
         return 0b1111
-    reaches, turns = reaches_around()
-    _, told = put_reaches(P, target, EVERY_PAIR, (reaches, turns))
+    reaches = np.empty((4 * TURNS, REACH))
+    _, told = put_reaches(P, target, EVERY_PAIR, reaches)
     pairs = 0b1111
     for signs in range(4):
-        first = MOST_TURNS * signs
+        first = TURNS * signs
         away = (told >> signs) & 1 == 1
         for k in range(TURNS):
-            kind = room_between(reaches[first + k], reaches[first + (k + 1) % TURNS])
+            kind = room_between(reaches[first + k], reaches[next_turn(first + k)])
             away = away and kind in (0, 1)
         pairs ^= (1 << signs) if away else 0
     return pairs
@@ -321,64 +310,30 @@ def share_of_end(a, b):
 
 
 @kernel
-def insert_turns(P, by, around):
-    """Look at turns at which room is greatest or least, between others where this keeps from telling what there is."""
-    reaches, turns = around
-    dips, gaps = np.empty((MOST_ENDS, REACH)), np.empty(MOST_ENDS)
-    n = 0
-    for i in range(4 * MOST_TURNS):
-        if i % MOST_TURNS >= turns[i // MOST_TURNS]:
-            continue
-        a, b = reaches[i], reaches[next_turn(turns, i)]
-        if room_between(a, b) < 0 and a[REACH_RISE] * b[REACH_RISE] < 0.0 and n < MOST_ENDS:
-            width = short_way(b[2] - a[2])
-            side = -math.copysign(1.0, width * a[REACH_RISE])
-            first = 0.0, side * a[REACH_ROOM], side * width * a[REACH_RISE]
-            last = 1.0, side * b[REACH_ROOM], side * width * b[REACH_RISE]
-            share, _ = lowest_of_cubic(first, last, 0.0)
-            q, _ = best_at(a, b, share)
-            store7(row(dips, n), 0, q)
-            gaps[n] = i
-            n += 1
-    if n == 0 or not put_bests(P, by, dips, n, False):
-        return
-    for m in range(n - 1, -1, -1):
-        i = int(gaps[m])
-        signs = i // MOST_TURNS
-        if turns[signs] >= MOST_TURNS:
-            continue
-        for k in range(MOST_TURNS * signs + turns[signs], i + 1, -1):
-            copy_reach(reaches, k - 1, reaches, k)
-        copy_reach(dips, m, reaches, i + 1)
-        turns[signs] += 1
-
-
-@kernel
 def copy_reach(source, i, target, k):
     """Copy a row of `REACH`."""
     copy(row(source, i), row(target, k), REACH)
 
 
 @kernel
-def put_bests(P, by, rows, n, to_ends):
-    """Write what is known at the turns of up to eight postures, or at ends of the room next to these; whether all."""
+def put_bests_at_ends(P, by, rows, n):
+    """Write what is known at ends of the room next to the turns of up to eight postures; whether all are met."""
     for i in range(n, 8):
         store7(row(rows, i), 0, read7(rows[n - 1]))
     curvature = curvature_of(P, level_place(by.target.place))
-    q, room, rise, turning, bending, met = best_bends(P, by.target, take_eight(row(rows, 0), REACH), curvature, to_ends)
-    put_best(row(rows, 0), (q, 0.0 * room if to_ends else room, rise, turning, bending))
+    q, room, rise, turning, bending, met = best_bends(P, by.target, take_eight(row(rows, 0), REACH), curvature, True)
+    put_best(row(rows, 0), (q, 0.0 * room, rise, turning, bending))
     return met == ALL
 
 
 @kernel
-def find_ends(P, by, around, ends, gaps):
+def find_ends(P, by, which, reaches, ends, gaps):
     """Write the turns at which room ends (`REACH`), and behind which turns these are; their number, -1: not told."""
-    reaches, turns = around
     n = 0
-    for i in range(4 * MOST_TURNS):
-        if i % MOST_TURNS >= turns[i // MOST_TURNS]:
+    for i in range(4 * TURNS):
+        if (which >> (i // TURNS)) & 1 == 0:
             continue
-        a, b = reaches[i], reaches[next_turn(turns, i)]
+        a, b = reaches[i], reaches[next_turn(i)]
         kind = room_between(a, b)
         if kind < 0 or (kind == 2 and n >= MOST_ENDS):
             return -1
@@ -387,10 +342,10 @@ def find_ends(P, by, around, ends, gaps):
             store7(row(ends, n), 0, q)
             gaps[n] = i
             n += 1
-    if n > 0 and not put_bests(P, by, ends, n, True):
+    if n > 0 and not put_bests_at_ends(P, by, ends, n):
         return -1
     for i in range(n):
-        a, b = reaches[int(gaps[i])], reaches[next_turn(turns, int(gaps[i]))]
+        a, b = reaches[int(gaps[i])], reaches[next_turn(int(gaps[i]))]
         sharp2 = ends[i, REACH_RISE] ** 2 * across2_of(ends[i]) / length2_of(ends[i], REACH_TURNING)
         share = short_way(ends[i, 2] - a[2]) / short_way(b[2] - a[2])
         if sharp2 < (2.0 * SHARPEST) ** 2 or not 0.0 < share < 1.0:

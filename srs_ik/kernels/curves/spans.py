@@ -7,10 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
-from srs_ik.kernels.algebra.lanes import ALL, as_bits, gather, root, scatter, where
-from srs_ik.kernels.algebra.pointers import copy, read7, row
-from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_ways
+from srs_ik.kernels.algebra.joint_vectors import short_way
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
@@ -29,7 +27,7 @@ from srs_ik.kernels.curves.changes import (
 )
 from srs_ik.kernels.curves.ends import inside_of_blur, on_curve, sample_before
 from srs_ik.kernels.curves.follow import BLURRED
-from srs_ik.kernels.curves.in_step import TURNING_WRIST, between_eight, load_sample, share_beside
+from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
@@ -39,7 +37,6 @@ from srs_ik.kernels.curves.told import (
     TOLD_RATE,
     UNTOLD,
     angle_at,
-    arm_angles,
     tell_samples,
     turning_between,
 )
@@ -61,90 +58,6 @@ SHORT = 1e-9
 SHORT_TURN = 1e-7
 """A branch that a curve is in no longer than this, in its parameter and in arm angles, is one of rounding: what lies
 there is on the border of those before and behind."""
-
-TURNED = 19
-TURNED_ROW, TURNED_AT, TURNED_POSTURE, TURNED_CHORD = 0, 1, 2, 9
-TURNED_BEGINS, TURNED_ENDS, TURNED_CHANGE = 16, 17, 18
-MOST_TURNED = 64
-"""A turn of the arm angle that is found in step: row of the sample behind it (-1 if it is not found after all), its
-parameter and posture; the way between its samples, the rates of the arm angle with the share of that at both, and its
-change; and room for them."""
-
-ROUNDS = 10
-FLAT = 1e-14
-"""Secants towards turns, at most, and how far from its farthest, rad, an arm angle is there."""
-
-
-@kernel
-def put_turned(rows, i, told, turns, n):
-    """Append the start from which the turn between samples i - 1 and i is found; how many there are."""
-    a, b = load_sample(rows[i - 1]), load_sample(rows[i])
-    way = rows[i, 0] - rows[i - 1, 0]
-    turns[n, TURNED_ROW] = i
-    store7(row(turns, n), TURNED_POSTURE, a)
-    store7(row(turns, n), TURNED_CHORD, difference(a, b))
-    turns[n, TURNED_BEGINS], turns[n, TURNED_ENDS] = way * told[i - 1, TOLD_RATE], way * told[i, TOLD_RATE]
-    turns[n, TURNED_CHANGE] = short_way(told[i, TOLD_PSI] - told[i - 1, TOLD_PSI])
-    return n + 1
-
-
-@kernel
-def turn_eight(P, by, turns):
-    """Close in on eight turns, in whose rows they are, from where cubics foretell them; which are found, as bits."""
-    begins, ends = gather(turns, TURNED_BEGINS, TURNED), gather(turns, TURNED_ENDS, TURNED)
-    change, chord = gather(turns, TURNED_CHANGE, TURNED), take_ways(turns, TURNED_CHORD, TURNED)
-    length2 = dot7(chord, chord)
-    half, third = 3.0 * change - 2.0 * begins - ends, begins + ends - 2.0 * change
-    size = root(half * half - 3.0 * third * begins)
-    share = begins / (where(begins < 0.0, -size, size) - half)
-    low, high = 0.0 * share, 0.0 * share + 1.0
-    last, last_rate = where(share < 0.5, low, high), where(share < 0.5, begins, ends)
-    q = along7(take_ways(turns, TURNED_POSTURE, TURNED), share, chord)
-    found, left = 0, ALL
-    for _ in range(ROUNDS):
-        q, t, met = between_eight(P, by, q, chord)
-        left &= met
-        _, rate = arm_angles(P, by.target.place, q, t)
-        pace = length2 / dot7(t, chord)
-        rate = pace * rate
-        bend = (rate - last_rate) / (share - last)
-        flat = rate * rate < 2.0 * FLAT * abs(bend)
-        found = left & as_bits(flat)
-        if found == left:
-            break
-        ahead = rate * begins > 0.0
-        low, high = where(ahead, share, low), where(ahead, high, share)
-        wanted = share - rate / bend
-        wanted = where((wanted > low) & (wanted < high), wanted, 0.5 * (low + high))
-        wanted = where(flat, share, wanted)
-        last, last_rate = where(flat, last, share), where(flat, last_rate, rate)
-        q = along7(q, pace * (wanted - share), t)
-        share = wanted
-    found &= as_bits(abs(sines_of_eight(P, q)[2]) > TURNING_WRIST)
-    put_eight(row(turns, TURNED_POSTURE), TURNED, found, q)
-    scatter(turns, TURNED_AT, TURNED, share)
-    return found
-
-
-@kernel
-def find_turns(P, by, rows, runs, told, turns):
-    """Find where the arm angle turns around once between samples of runs, eight in step; their number."""
-    n = 0
-    for index in range(runs.shape[0]):
-        for i in range(int(runs[index, 3]) + 1, int(runs[index, 4])):
-            if told[i - 1, TOLD_RATE] * told[i, TOLD_RATE] < 0.0 and n < MOST_TURNED:
-                n = put_turned(rows, i, told, turns, n)
-    for k in range(n, 8 * ((n + 7) // 8)):
-        copy(row(turns, n - 1), row(turns, k), TURNED)
-    for first in range(0, n, 8):
-        found = turn_eight(P, by, row(turns, first))
-        for k in range(first, min(first + 8, n)):
-            i, q = int(turns[k, TURNED_ROW]), read7(row(turns[k], TURNED_POSTURE))
-            _, beside = share_beside(load_sample(rows[i - 1]), load_sample(rows[i]), q)
-            turns[k, TURNED_AT] = rows[i - 1, 0] + turns[k, TURNED_AT] * (rows[i, 0] - rows[i - 1, 0])
-            if (found >> (k - first)) & 1 == 0 or not beside:
-                turns[k, TURNED_ROW] = -1.0
-    return n
 
 
 @kernel
@@ -176,20 +89,6 @@ class Passed(NamedTuple):
 
 
 @kernel
-def turned_between(P, by, curve, turns, ends, sign, rates):
-    """The posture of a curve where the arm angle is farthest in the direction of a sign, one of the turns found if any.
-
-    It lies between two ends, a parameter and a posture each.
-    """
-    (x, a), (y, b) = ends
-    for k in range(turns.shape[0]):
-        of_curve = curve.first < turns[k, TURNED_ROW] < curve.last and turns[k, TURNED_BEGINS] * sign > 0.0
-        if of_curve and x < turns[k, TURNED_AT] < y:
-            return read7(row(turns[k], TURNED_POSTURE))
-    return turning_between(P, by, a, b, sign, ARM_ANGLE, rates)
-
-
-@kernel
 def take_turning(P, by, span, turning, psi):
     """Let a span reach to the arm angle of a posture where that turns around; psi is close by."""
     turning = inside_of_blur(P, by, turning, BLURRED)
@@ -197,42 +96,39 @@ def take_turning(P, by, span, turning, psi):
 
 
 @kernel
-def take_turn(P, by, curve, span_turns, passed, here, to):
+def take_turn(P, by, curve, span, passed, here, to):
     """Let a span reach to where the arm angle turns around on the way from one place to another, if it does.
 
-    Behind the other, which is given with its sign, it goes on to rise or to fall. The span is given with the turns that
-    are found.
+    Behind the other, which is given with its sign, it goes on to rise or to fall.
     """
-    span, turns = span_turns
     psi, rise = passed
     place_, behind = to
-    start, end, rates = (here.at[0], here.q), (place_.at[0], place_.q), (here.at[2], place_.at[2])
+    rates = (here.at[2], place_.at[2])
     change = short_way(place_.at[1] - psi)
     if abs(change) > TURNING and change * rise < 0.0 and abs(rise) > TURNING:
         # Somewhere between the samples before and behind this place.
         sign = math.copysign(1.0, rise)
         if here.at[2] * sign > 0.0:
-            take_turning(P, by, span, turned_between(P, by, curve, turns, (start, end), sign, rates), psi)
+            take_turning(P, by, span, turning_between(P, by, here.q, place_.q, sign, ARM_ANGLE, rates), psi)
         else:
             before = max(sample_before(curve, span[3]) - 1, curve.first)
             x = max(span[2], curve.rows[before, 0])
             q, _ = on_curve(P, by, 0, curve, x)
-            take_turning(P, by, span, turned_between(P, by, curve, turns, ((x, q), start), sign, UNTOLD), psi)
+            take_turning(P, by, span, turning_between(P, by, q, here.q, sign, ARM_ANGLE, UNTOLD), psi)
     elif (change if abs(change) > TURNING else rise) * behind < 0.0:
         sign = math.copysign(1.0, change if abs(change) > TURNING else rise)
-        take_turning(P, by, span, turned_between(P, by, curve, turns, (start, end), sign, rates), psi)
+        take_turning(P, by, span, turning_between(P, by, here.q, place_.q, sign, ARM_ANGLE, rates), psi)
 
 
 @kernel
-def take_back(P, by, curve, span_turns, passed, here, at):
+def take_back(P, by, curve, span, passed, here, at):
     """Let a span reach to where the arm angle goes back between two places, if it does; where it has come, twice."""
-    span, _ = span_turns
     for i in range(MOST_BACK):
         there, found = turned_back(P, by, curve, here.at, at, i > 0)
         if not found:
             break
         psi, behind = passed.psi + short_way(there.at[1] - passed.psi), math.copysign(1.0, there.at[2])
-        take_turn(P, by, curve, span_turns, passed, here, (there, behind))
+        take_turn(P, by, curve, span, passed, here, (there, behind))
         passed, here = Passed(psi, behind), there
         extend(span, there.at[0], psi)
     return passed, here
@@ -273,9 +169,9 @@ def without_short(spans, first, n):
 def pass_between(P, by, curve, i, passed, room, n):
     """Go on with n spans from sample i - 1 of a run to the next one: where they have come to, and their number.
 
-    `room` is for spans, what is known of the samples (`find_changes`), room for changes, and the turns that are found.
+    `room` is for spans, what is known of the samples (`find_changes`), and room for changes.
     """
-    spans, known, (changes, turns) = room
+    spans, known, changes = room
     told, _ = known
     rows = curve.rows
     psi, rise = passed
@@ -285,9 +181,9 @@ def pass_between(P, by, curve, i, passed, room, n):
         inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
         outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
         to = place_beside(P, by, curve, changes[c], inside)
-        passed, here = take_back(P, by, curve, (spans[n - 1], turns), Passed(psi, rise), here, to.at)
+        passed, here = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), here, to.at)
         rise = math.copysign(1.0, to.at[2])
-        take_turn(P, by, curve, (spans[n - 1], turns), passed, here, (to, rise))
+        take_turn(P, by, curve, spans[n - 1], passed, here, (to, rise))
         psi = passed.psi + short_way(to.at[1] - passed.psi)
         extend(spans[n - 1], inside, psi)
         here = place_beside(P, by, curve, changes[c], outside)
@@ -296,13 +192,13 @@ def pass_between(P, by, curve, i, passed, room, n):
         n = open_span(spans, n, spans[n - 1, 0], branch, outside, psi)
         x, here = outside, Place((outside, psi, here.at[2]), here.q)
     to = Place((rows[i, 0], told[i, TOLD_PSI], told[i, TOLD_RATE]), load_sample(rows[i]))
-    passed, here = take_back(P, by, curve, (spans[n - 1], turns), Passed(psi, rise), here, to.at)
+    passed, here = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), here, to.at)
     change = short_way(to.at[1] - passed.psi)
     # Two samples with one arm angle have its turn between them, if it rises at one of them alone.
     stays = abs(change) <= TURNING
     passed = Passed(passed.psi, here.at[2]) if stays else passed
     behind = math.copysign(1.0, to.at[2]) if stays or i == curve.last - 1 else change
-    take_turn(P, by, curve, (spans[n - 1], turns), passed, here, (to, behind))
+    take_turn(P, by, curve, spans[n - 1], passed, here, (to, behind))
     return Passed(passed.psi + change, change), n
 
 
@@ -328,15 +224,13 @@ def spans_of_run(P, by, rows, runs, index, room, n):
 @kernel
 def find_spans(P, by, rows, runs, spans):
     """Cut all runs into spans; return their number."""
-    told, changes, met = np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE)), np.empty((MOST_MET, MET))
-    turns = np.empty((MOST_TURNED, TURNED))
-    count, n_met, n_turns = runs.shape[0], 0, 0
+    told, met = np.empty((rows.shape[0], TOLD)), np.empty((MOST_MET, MET))
+    count, n_met = runs.shape[0], 0
     if count > 0:
         # Runs lie one behind the other.
         tell_samples(P, by, Samples(rows, int(runs[0, 3]), int(runs[count - 1, 4])), told)
         n_met = meet_changes(P, by, rows, runs, told, met)
-        n_turns = find_turns(P, by, rows, runs, told, turns)
-    room = spans, (told, met[:n_met]), (changes, turns[:n_turns])
+    room = spans, (told, met[:n_met]), np.empty((MOST_CHANGES, CHANGE))
     n = 0
     for index in range(count):
         n = spans_of_run(P, by, rows, runs, index, room, n)

@@ -34,7 +34,7 @@ from srs_ik.kernels.path.smoothing import smooth
 from srs_ik.kernels.path.splits import put_split
 from srs_ik.kernels.path.steps import rules_for
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node, room_for_ends
-from srs_ik.kernels.pose.bridged import bridge_all
+from srs_ik.kernels.pose.moved import bridge_all
 
 MOST_NODES = 16384
 """Most postures of a pose, with room for those of a run in all its turns."""
