@@ -66,6 +66,54 @@ def test_lines_called_clear_never_collide(name, kind):
     assert looked > 0 or path.breaks
 
 
+def motion_in_free(arm, rng, scene):
+    """(50, 7) a smooth joint motion inside the limits that hits nothing."""
+    while True:
+        q = motion(arm, rng, 50, 0.8)
+        inside = (q > arm.lower + 0.02) & (q < arm.upper - 0.02)
+        if inside.all() and not arm.path_collisions(q, scene):
+            return q
+
+
+def beside(arm):
+    """A scene with a wall that the arm never reaches."""
+    scene = srs_ik.Scene()
+    scene.add_box("wall", srs_ik.pose_from_xyz_rpy([3.0, 0.0, 0.5], [0.0, 0.0, 0.3]), [0.1, 2.0, 2.0])
+    return scene
+
+
+@pytest.mark.parametrize("kind", ["none", "beside"])
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_what_is_not_touched_makes_no_path_dearer(name, kind):
+    arm = srs_ik.load(name)
+    rng, scene = generator(name + kind), srs_ik.Scene() if kind == "none" else beside(arm)
+    for _ in range(3):
+        q = motion_in_free(arm, rng, scene)
+        poses, least = poses_of(arm, q), (np.diff(q, axis=0) ** 2).sum()
+        for known in ({}, {0: q[0], 25: q[25], 49: q[49]}):
+            path = arm.solve_path(poses, seed=q[0], known=known, scene=scene)
+            assert path
+            assert path.value <= least * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize(("name", "number"), [("iiwa14", 73), ("gen3", 28), ("gen3", 72)])
+def test_around_what_is_in_the_way_no_path_costs_more_than_a_known_motion(name, number):
+    arm = srs_ik.load(name)
+    q = motion(arm, generator(name + "around", number), 40, 0.8)
+    poses = poses_of(arm, q)
+    through = arm.solve_path(poses).q
+    elbows = [arm.joint_frames(each[20])[4, :3, 3] for each in (through, q)]
+    away = elbows[0] - elbows[1]
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball", elbows[0] + 0.04 * away / np.linalg.norm(away), 0.04)
+    assert arm.path_collisions(through, scene)
+    assert not arm.path_collisions(q, scene)
+    path = arm.solve_path(poses, scene=scene)
+    assert path
+    assert not arm.path_collisions(path.q, scene)
+    assert path.value <= (np.diff(q, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(5))
 @pytest.mark.parametrize("kind", KINDS)
