@@ -2,6 +2,7 @@
 
 import re
 import sys
+import threading
 
 import numpy as np
 import pinocchio as pin
@@ -100,6 +101,30 @@ def test_wrong_input_is_one_clear_error(page):
     page.close()
     with pytest.raises(srs_ik.PreviewError, match="is closed"):
         page.show(page.target)
+
+
+def test_what_is_being_shown_is_shown_before_the_page_closes(page, monkeypatch):
+    aim, begun, go_on = page._aim, threading.Event(), threading.Event()
+    seen = []
+
+    def slow(*given):
+        begun.set()
+        go_on.wait(10.0)
+        seen.append(page.closed)
+        aim(*given)
+
+    monkeypatch.setattr(page, "_aim", slow)
+    showing = threading.Thread(target=page.show, args=(page.target,))
+    closing = threading.Thread(target=page.close)
+    showing.start()
+    begun.wait(10.0)
+    closing.start()
+    closing.join(0.3)
+    go_on.set()
+    showing.join(20.0)
+    closing.join(20.0)
+    assert seen == [False]
+    assert page.closed
 
 
 def test_a_page_cannot_be_shared_with_the_world(page):

@@ -105,8 +105,9 @@ class FollowingPreview(LivePage):
             PreviewError: the preview is closed.
         """
         T = as_rigid_matrix(pose)
-        self._refuse_closed()
-        self._handles.position, self._handles.wxyz = T[:3, 3], wxyz(T[:3, :3])
+        with self._lock:
+            self._refuse_closed()
+            self._handles.position, self._handles.wxyz = T[:3, 3], wxyz(T[:3, :3])
 
     def close(self) -> None:
         """End the page and free its port; a second time does nothing."""

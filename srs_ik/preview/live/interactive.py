@@ -89,10 +89,10 @@ class InteractivePreview(LivePage):
         T = as_rigid_matrix(pose)
         psi = None if arm_angle is None else as_arm_angle(arm_angle)
         near = self._solution.q if seed is None else as_seed(seed, self.arm.lower, self.arm.upper)
-        self._refuse_closed()
         with self._lock:
+            self._refuse_closed()
             self._aim(T, psi, near)
-        return self._solution
+            return self._solution
 
     # --------------------------------------------------------------------------------------------------------------
 

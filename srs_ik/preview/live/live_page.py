@@ -70,9 +70,13 @@ class LivePage:
         return not self._close.alive
 
     def close(self) -> None:
-        """End the page and free its port; a second time does nothing."""
+        """End the page and free its port, once nothing is being shown; a second time does nothing."""
         atexit.unregister(self._close)
-        self._close()
+        with self._lock:
+            open_still = self._close.detach() is not None
+        # Without the lock: who waits for it on the page is told that this is closed, and viser may wait for these.
+        if open_still:
+            stop(self._server)
 
     @property
     def target(self) -> Array:
