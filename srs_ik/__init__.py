@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from srs_ik.system.forks import WHOLE
@@ -224,6 +225,8 @@ if not TYPE_CHECKING:  # to which the names above are known, and no others
         """Where a name is that is not here: in a namespace, or misspelt."""
         from srs_ik.errors import did_you_mean
 
+        if name.startswith("_") or find_spec(f"srs_ik.{name}"):
+            return ""  # what Python asks of modules, and modules that are imported just now
         for room in NAMESPACES:
             with suppress(ImportError):  # a namespace whose extra is not installed
                 if name in import_module(f"srs_ik.{room}").__all__:

@@ -234,6 +234,7 @@ def test_empty_cells_behind_a_line_are_nothing(tmp_path):
         (["--longest-step", "-1"], "--longest-step"),
         (["--velocity", "0"], "--velocity takes a positive number"),
         (["--velocity", "1,2"], "--velocity takes one number, or 7"),
+        (["--velocity", "1"], "--velocity goes with --dt, or with --objective time"),
         (["--start", "1", "2"], "--start takes 7 numbers, not 2"),
         (["--seed", "1", "2"], "--seed takes 7 numbers, not 2"),
         (["--acceleration", "5"], "--acceleration goes with --objective time"),

@@ -8,6 +8,8 @@ import trimesh
 
 import srs_ik
 from srs_ik.analysis.gravity import gravity_torque
+from srs_ik.collision.forms import Form
+from srs_ik.collision.links.weight import inertia_of
 
 POSE = srs_ik.pose_from_xyz_rpy([0.03, -0.02, 0.1], [0.4, -0.2, 0.9])
 FORMS = {
@@ -121,3 +123,11 @@ def test_a_simulated_arm_carries_the_part():
         spec, _ = make_spec(each)
         masses.append(spec.compile().body_subtreemass[spec.body(spec.joint(arm.joint_names[0]).parent.name).id])
     assert masses[1] - masses[0] == pytest.approx(2.0, abs=1e-9)  # kg, of all that joint 1 moves
+
+
+def test_what_has_no_volume_has_no_mass():
+    flat = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.1, 0.1, 0.0]])
+    faces = np.array([[0, 1, 2], [1, 3, 2]])
+    form = Form("mesh", (), np.eye(4), flat, faces)
+    with pytest.raises(srs_ik.InvalidScene, match="'sheet' encloses no volume"):
+        inertia_of(form, 1.0, "sheet")

@@ -145,7 +145,7 @@ def test_a_joint_that_mimics_a_locked_one_is_asked_for():
 def test_a_joint_that_is_locked_beside_the_one_that_it_mimics_is_told():
     slide = joint("second", "l7", "plate", "prismatic", "0 0 1", 0.0, 1.0, '<mimic joint="lift"/>')
     xml = body().replace("</robot>", slide + "</robot>")
-    with pytest.warns(UserWarning, match=r"^'second' is locked at 0\.1 and mimics lift, which is not locked: give"):
+    with pytest.warns(UserWarning, match=r"^'second' is locked at 0\.1 and mimics lift, which is not locked: it stays"):
         srs_ik.load(xml, tip="l7", locked={"second": 0.1})
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -95,7 +95,7 @@ def test_of_processes_that_start_together_one_makes_the_map_and_others_say_so(un
     said = [(process.communicate(timeout=300.0)[1], process.returncode) for process in started]
     assert any(code == 0 for _, code in said)
     for words, code in said:
-        assert code == 0 or words.rstrip().endswith("is being made by another process just now: wait until it is done")
+        assert code == 0 or words.rstrip().endswith("is being made by somebody else just now: wait until it is done")
     assert digests(path) == digests(undisturbed)
     assert not list(tmp_path.glob(".*"))
 
@@ -108,7 +108,7 @@ def test_a_map_that_is_being_made_is_left_alone(undisturbed, tmp_path, monkeypat
         made(folder, plan)
 
     def ask(*_):
-        with pytest.raises(InvalidMap, match=r"map\.zarr is being made by another process just now"):
+        with pytest.raises(InvalidMap, match=r"map\.zarr is being made by somebody else just now"):
             build_map(arm, 0.04, path, orientations=576)
         asked.append(1)
 

@@ -159,3 +159,14 @@ def test_where_the_path_stands_still_the_tip_does(name, options):
     stops = np.flatnonzero((np.diff(motion.passes) > 1e-6) & (np.abs(np.diff(poses, axis=0)).max(axis=(1, 2)) < 1e-12))
     at = np.abs(np.linspace(0.0, motion.duration, 4001)[:, None] - motion.passes[stops]).argmin(axis=0)
     assert np.abs(v[at]).max() < 0.02
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_times_of_a_path_know_of_its_rests(name):
+    arm = srs_ik.load(name)
+    poses = line(arm, 21)
+    once = arm.solve_path(poses, objective="time", acceleration_limit=5.0).times[-1]
+    path = arm.solve_path(np.insert(poses, 10, poses[10], axis=0), objective="time", acceleration_limit=5.0)
+    # Two halves from rest to rest take root two times as long where accelerations bind, and no stretching comes on top.
+    assert once < path.times[-1] < 1.6 * once
+    assert path.trajectory().stretch < 1.25

@@ -125,6 +125,8 @@ def path(
     if start is not None:
         options["known"] = {0: angles("--start", start, unit)}
     limits = None if velocity is None else [unit * each for each in _for_each_joint("--velocity", velocity)]
+    if limits is not None and dt is None and objective is not Least.time:
+        raise WrongInput("--velocity goes with --dt, or with --objective time")
     if dt is not None:
         options["dt"] = _positive("--dt", dt)
     if longest_step is not None:

@@ -193,7 +193,7 @@ def held(path: Path) -> Iterator[None]:
         try:
             fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise InvalidMap(f"{path} is being made by another process just now: wait until it is done") from None
+            raise InvalidMap(f"{path} is being made by somebody else just now: wait until it is done") from None
         except OSError:
             # A file system without locks: what is written twice is written alike.
             pass

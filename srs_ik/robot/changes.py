@@ -119,7 +119,11 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
         changes = _named_as_here(changes)
         for key, value in changes.items():
             if key not in _LIMITS:
-                raise InvalidRobot(f"joint {joint!r} has no limit {quoted(key)}; limits are {listed(list(_LIMITS))}")
+                hint = did_you_mean(key, (*_LIMITS, *_OF_MOVEIT)) if isinstance(key, str) else ""
+                raise InvalidRobot(
+                    f"joint {joint!r} has no limit {quoted(key)}{hint}; limits are {listed(list(_LIMITS))}, "
+                    "or named as in MoveIt's joint_limits.yaml"
+                )
             arrays[_LIMITS[key]][k] = _figure(value, f"{key} of joint {joint!r}")
         lower, upper = unlimited_if_huge(arrays["lower"][k], arrays["upper"][k])
         _warn_of_degrees(joint, changes)

@@ -43,7 +43,7 @@ def as_locked(locked: Any, model: Any, follows: Mapping[str, str]) -> dict[str, 
         clause = follows.get(name, "")
         if clause.startswith("mimics ") and clause not in {f"mimics {leader}" for leader in found}:
             said = f"{name!r} is locked at {found[name]:g} and {clause}, which is not locked"
-            warn_caller(f"{said}: give its position too")
+            warn_caller(f"{said}: it stays there while its leader moves")
     return found
 
 

@@ -19,7 +19,7 @@ def inertia_of(form: Form, mass: Any, name: str) -> pin.Inertia:
     A mesh that does not close counts as its convex hull.
 
     Raises:
-        InvalidScene: the mass is no positive number.
+        InvalidScene: the mass is no positive number, or a mesh encloses no volume.
     """
     m = real_number(mass)
     if not 0.0 < m <= bounds.HEAVIEST:
@@ -32,7 +32,13 @@ def inertia_of(form: Form, mass: Any, name: str) -> pin.Inertia:
     if form.kind == "cylinder":
         return placement.act(pin.Inertia.FromCylinder(m, *form.size))
     import trimesh
+    from scipy.spatial import QhullError
 
     mesh = trimesh.Trimesh(*surface(form))
-    solid = mesh if mesh.is_volume else mesh.convex_hull
+    try:
+        solid = mesh if mesh.is_volume else mesh.convex_hull
+    except (ValueError, QhullError):
+        raise InvalidScene(f"{quoted(name)} encloses no volume: what has a mass is a solid") from None
+    if not (np.isfinite(solid.mass) and solid.mass > 0.0 and np.isfinite(solid.moment_inertia).all()):
+        raise InvalidScene(f"{quoted(name)} encloses no volume: what has a mass is a solid")
     return pin.Inertia(m, np.array(solid.center_mass), np.array(solid.moment_inertia) * (m / solid.mass))

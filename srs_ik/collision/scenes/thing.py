@@ -38,7 +38,7 @@ class Thing:
         self.parts: list[tuple[str, tuple[Form, ...]]] = []
 
     def __repr__(self) -> str:
-        shapes = ", ".join(str(form) for form in self.forms[:3]) or f"{sum(map(len, self.rows))} spheres or planes"
+        shapes = ", ".join(str(form) for form in self.forms[:3]) or f"{sum(map(len, self.rows))} spheres"
         more = f" and {len(self.forms) - 3} more" if len(self.forms) > 3 else ""
         x, y, z = self.T[:3, 3]
         return f"<{self.name!r} at ({x:.4g}, {y:.4g}, {z:.4g}) m: {shapes}{more}>"

@@ -31,6 +31,7 @@ from srs_ik.kernels.curves.laid import lay_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_behind_ends, put_mark
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, FAR, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_midway, put_starts
@@ -44,6 +45,10 @@ MOST_ANGLES = STARTS_OBLIQUE + 16
 
 ASIDE = 2.0
 """Where shoulder or wrist come within so many of the widths at which they count as singular, there are others."""
+
+MOST_BOUNCED, BOUNCED = 6, 1e-2
+"""Of starts with the same signs of shoulder and wrist, so many one after the other may end with an error above the
+second one, m and rad: they are led about where no posture is, and so are most likely the others."""
 
 MORE_STARTS = 512
 """Room for starts where several parts of a limb are singular."""
@@ -82,6 +87,9 @@ HIGHEST = 2.0
 
 HIGHER = 1e-3
 """... above that."""
+
+WELL_TOLD = 1e-3
+"""Where the greatest room is within the square of this, rad, of none, rounding decides what there is."""
 
 ROOM = 1e-2
 """Where the best bend leaves so much room, rad, to both sides, Newton's method does without the very greatest reach."""
@@ -201,6 +209,20 @@ def greatest_between(a, b):
 
 
 @kernel
+def well_told(reaches, known):
+    """Of the known pairs of signs, as bits, those whose greatest room is well above nothing, or well below."""
+    told = known
+    for signs in range(4):
+        most = top = -math.inf
+        for i in range(outreach.TURNS * signs, outreach.TURNS * (signs + 1)):
+            most = max(most, reaches[i, outreach.REACH_ROOM])
+            top = max(top, greatest_between(reaches[i], reaches[outreach.next_turn(i)]))
+        if most < WELL_TOLD**2 and max(most, top) > -(WELL_TOLD**2):
+            told &= ~(1 << signs)
+    return told
+
+
+@kernel
 def put_pair(P, by, turns, curvature, starts, n):
     """Append both bends of the greatest reach between two turns, if it is past the pose; if only just, itself.
 
@@ -257,6 +279,7 @@ def follow_all(P, by, which, rows, curves):
         if which != outreach.EVERY_PAIR:
             known, _ = outreach.put_reaches(P, by.target, outreach.EVERY_PAIR, reaches)
             ends = outreach.splits_with_ends(reaches)
+    told = 0 if oblique else well_told(reaches, known)
     angles = np.empty(MOST_ANGLES)
     n_angles = put_angles(P, by.target.place, STARTS_OBLIQUE if oblique else STARTS, angles)
     marks = np.empty((8 * n_angles, MARK))
@@ -276,6 +299,7 @@ def follow_all(P, by, which, rows, curves):
     n, count = extend_open(P, by, rows, curves, n, count)
     n_missed = put_behind_ends(P, by, rows, curves, count, missed, n_missed)
     vague = 0
+    bounced = np.zeros(4, np.int64)
     bring_to_curves(P, by, missed, n_off, n_missed)
     for i in range(n_missed):
         if count >= curves.shape[0]:
@@ -284,7 +308,12 @@ def follow_all(P, by, which, rows, curves):
         brought = missed[i, MARK_NEXT] == 1.0
         if brought and is_known(P, by, q, t, rows, curves, count):
             continue
+        own = branch_of(P, q) & 3
+        # Where all reaches are known, they tell what these starts might lead to.
+        if not brought and i < n_off and (bounced[own] >= MOST_BOUNCED or (told >> own) & 1 == 1):
+            continue
         q, error = newton.close_gently(P, q, R, p, False, by.J, by.A)
+        bounced[own] = bounced[own] + 1 if error > BOUNCED else 0
         if error > newton.LEFT or (error > newton.CLOSED and vague >= MOST_LEFT):
             continue
         t, sign = tangent_at(P, by, q)
@@ -310,4 +339,4 @@ def follow_all(P, by, which, rows, curves):
             for x in range(2):
                 n = put(rows, n, x * POINT, q)
             count += 1
-    return count, 0
+    return count, outreach.EVERY_PAIR if told == outreach.EVERY_PAIR else 0

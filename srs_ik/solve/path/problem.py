@@ -58,6 +58,10 @@ ROOM_OF_BENDS = 2e-7
 """So far are limits drawn out where intervals are looked for, rad; the second one where an elbow is as good as flat."""
 
 
+STANDING = 1e-12
+"""Two poses in a row are the same if no entry differs by more."""
+
+
 class Stopped(Exception):
     """Nobody wants the answer any more."""
 
@@ -278,3 +282,8 @@ def too_fast(problem: Problem, way: Way, loose: NDArray[np.bool_] | None = None)
     limits = problem.settings[BY_VELOCITY] * np.diff(chain)[:, None]
     shares = (np.abs(steps_of(problem, way.q[chain])) / limits).max(axis=1, initial=0.0)
     return np.where(breaks_in(problem, way) if loose is None else loose, 0.0, shares)
+
+
+def stands(T: Array) -> NDArray[np.bool_]:
+    """(n - 1,) where poses (n, 4, 4) have the same one twice in a row."""
+    return np.asarray(np.abs(np.diff(T, axis=0)).max(axis=(1, 2), initial=0.0) <= STANDING)

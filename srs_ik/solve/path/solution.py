@@ -13,7 +13,7 @@ from srs_ik.errors import InvalidConfiguration, warn_caller
 from srs_ik.kernels.layout.path import BY_VELOCITY
 from srs_ik.solve.path.bound import least_largest, least_sum
 from srs_ik.solve.path.breaks import PathBreak
-from srs_ik.solve.path.problem import JUST_ABOVE, LARGEST_STEP, Problem, objective_of, steps_of
+from srs_ik.solve.path.problem import JUST_ABOVE, LARGEST_STEP, Problem, objective_of, stands, steps_of
 from srs_ik.solve.path.timing import passing_times
 from srs_ik.solve.solution import Collision, ElbowRange
 from srs_ik.solve.solutions import BatchSolution
@@ -22,9 +22,6 @@ from srs_ik.system.arrays import Array
 if TYPE_CHECKING:
     from srs_ik.solve.path.trajectory import Trajectory
 
-
-STANDING = 1e-12
-"""Two poses in a row are the same if no entry differs by more."""
 
 ELSEWHERE = 1e-3
 """A motion that begins farther than this from the seed, rad, gets a warning."""
@@ -63,7 +60,7 @@ class PathSolution(BatchSolution):
         self.times: Array | None = None
         self.value = 0.0 if problem is None else value_of(problem, self.q[self.ok], steps)
         if problem is not None and problem.acceleration is not None:
-            self.times = passing_times(steps, problem.arm.velocity_limit, problem.acceleration)
+            self.times = passing_times(steps, problem.arm.velocity_limit, problem.acceleration, stands(problem.T))
             self.value = float(self.times[-1])
 
     @cached_property
@@ -146,8 +143,7 @@ class PathSolution(BatchSolution):
         _warn_of_a_start_elsewhere(problem, self.q[0])
         arm, pushes = problem.arm, np.full(7, np.inf) if problem.acceleration is None else problem.acceleration
         q = np.vstack([self.q[:1], self.q[0] + np.cumsum(self.steps, axis=0)])
-        stands = np.abs(np.diff(problem.T, axis=0)).max(axis=(1, 2)) <= STANDING
-        return Trajectory(q, times, stands, (arm.lower, arm.upper), (arm.velocity_limit, pushes))
+        return Trajectory(q, times, stands(problem.T), (arm.lower, arm.upper), (arm.velocity_limit, pushes))
 
     @property
     def largest_step(self) -> float:
@@ -179,5 +175,5 @@ def _warn_of_a_start_elsewhere(problem: Problem, q: Array) -> None:
     if away[joint] > ELSEWHERE:
         warn_caller(
             f"the motion begins {away[joint]:.3g} rad from the seed (joint {problem.arm.joint_names[joint]!r}): "
-            "bring the joints there first, or give known={0: q} where the robot stands at the first pose"
+            "bring the joints there first, or give known={0: q} (--start) where the robot stands at the first pose"
         )

@@ -8,7 +8,10 @@ measure them. All times are stretched by what the derivatives of the path by its
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
+from numpy.typing import NDArray
 
 from srs_ik.system.arrays import Array
 
@@ -23,11 +26,20 @@ ROUNDS = 6
 """How often they are."""
 
 
-def passing_times(steps: Array, velocity: Array, acceleration: Array) -> Array:
+def passing_times(steps: Array, velocity: Array, acceleration: Array, stands: NDArray[np.bool_] | None = None) -> Array:
     """(N,) times at which a path of joint steps (N - 1, 7) passes its poses, s, the first one at 0.
 
-    Largest joint velocities (7,) and accelerations (7,) are in rad/s and rad/s^2.
+    Largest joint velocities (7,) and accelerations (7,) are in rad/s and rad/s^2. Before and after steps on which the
+    tip `stands` (N - 1,), it rests.
     """
+    if stands is None or not stands.any():
+        return _from_rest_to_rest(steps, velocity, acceleration)
+    rests = np.flatnonzero(np.append(stands, True) | np.append(True, stands))
+    pieces = [_from_rest_to_rest(steps[a:b], velocity, acceleration) for a, b in pairwise(rests)]
+    return np.append(0.0, np.cumsum(np.concatenate([np.diff(piece) for piece in pieces])))
+
+
+def _from_rest_to_rest(steps: Array, velocity: Array, acceleration: Array) -> Array:
     if not len(steps) or np.abs(steps).max() < STILL:
         return np.zeros(len(steps) + 1)
     eased = np.ones((len(steps) + 1, 2))

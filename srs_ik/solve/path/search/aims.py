@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from srs_ik.solve.path.problem import LARGEST_STEP, Problem, Way, evenly, steps_of, worth
+from srs_ik.solve.path.problem import LARGEST_STEP, Problem, Way, evenly, stands, steps_of, worth
 from srs_ik.solve.path.search.least_step import least_largest_step
 from srs_ik.solve.path.search.limited import best_in_time
 from srs_ik.solve.path.timing import passing_times
@@ -33,8 +33,9 @@ def quickest(problem: Problem, acceleration: Array) -> Way:
     """
 
     def lasts(way: Way) -> tuple[int, float]:
-        steps = steps_of(problem, way.q[way.reached])
-        return worth(problem, way)[0], float(passing_times(steps, problem.arm.velocity_limit, acceleration)[-1])
+        steps, limit = steps_of(problem, way.q[way.reached]), problem.arm.velocity_limit
+        times = passing_times(steps, limit, acceleration, stands(problem.T[way.reached]))
+        return worth(problem, way)[0], float(times[-1])
 
     ways = [best(replace(each, acceleration=None)) for each in (evenly(problem), problem)]
     return min(ways, key=lasts)

@@ -72,7 +72,7 @@ def between_postures(problem: Problem, poses: Poses, own: NDArray[np.int64]) -> 
     """
     allowed, ends = problem.allowed()
     empty = np.ones(len(allowed), np.bool_)
-    empty[(ends[poses, 0] + own)[own >= 0]] = False
+    empty[(ends[poses, 0] + own)[(own >= 0) & (ends[poses, 0] >= 0)]] = False
     rows, of = [], []
     for i in np.flatnonzero(~problem.has_known).tolist():
         for branch, lower, upper in allowed[slice(*ends[i])][empty[slice(*ends[i])]].tolist():

@@ -38,6 +38,7 @@ from srs_ik.solve.path.problem import (
 from srs_ik.solve.path.search.blocks import KEPT, through
 from srs_ik.solve.path.search.finer import THIRDS, finer
 from srs_ik.solve.path.search.limited import best_in_time
+from srs_ik.solve.path.search.on_curves import worth_of
 from srs_ik.solve.path.search.polish import FINE, polish, refine
 from srs_ik.solve.path.search.reach import Cells, after, least_through, passed, reached
 from srs_ik.system.arrays import Array
@@ -111,8 +112,13 @@ class Strips:
 
 def least_largest_step(problem: Problem) -> Way:
     """The path whose largest joint step is least, from that of the least sum of squares on."""
+    # Moved along its true curves, a near arm may leave what is free.
+    rank = worth_of if problem.is_near and problem.free is not None else worth
     way = best_in_time(replace(problem, objective=SUM_OF_SQUARES))
-    polish(problem, way)
+    polished = copy(way)
+    polish(problem, polished)
+    if rank(problem, polished) < rank(problem, way):
+        way = polished
     loose = replace(problem, limited=False, objective=SUM_OF_SQUARES)
     whole = strips_of(loose)
     if whole is None:
@@ -128,7 +134,7 @@ def least_largest_step(problem: Problem) -> Way:
                 put_bounds(other, whole)
             refine(loose, other, FINE, 0.0)
             polish(problem, other)
-            if worth(problem, other) < worth(problem, way):
+            if rank(problem, other) < rank(problem, way):
                 way = other
                 strips = strips.below(problem, way)
         if not 0 < len(strips.rows) <= MOST_CELLS * len(problem.T):
