@@ -163,7 +163,7 @@ def test_the_adapter_of_the_documentation_loads(arm_file, tmp_path):
     (tmp_path / "welder.urdf").write_text(text.replace("</robot>", f"{lift}</robot>"))
     (tmp_path / "robot.toml").write_text(snippet.split("[xacro]")[0])
     arm = srs_ik.load(tmp_path / "robot.toml")
-    assert (arm.name, arm.base, arm.tip, arm.upper[1]) == ("welder", "table", "tool", 1.9)
+    assert (arm.name, arm.base, arm.tip, arm.upper[1]) == ("welder", "table", "gripper", 1.9)
     assert arm.locked == {"lift": 0.3}
     q = [0.1] * 7
     assert arm.solve(arm.forward_kinematics(q), seed=q)

@@ -121,7 +121,8 @@ def test_answers_can_be_copied(how):
     for answer in answers:
         other = COPIES[how](answer)
         assert repr(other) == repr(answer)
-        assert bool(other) == bool(answer)
+        if not isinstance(answer, srs_ik.BatchSolution) or isinstance(answer, srs_ik.PathSolution):
+            assert bool(other) == bool(answer)
         assert other.q.tobytes() == answer.q.tobytes()
         assert (np.asarray(other.status) == np.asarray(answer.status)).all()
         if not callable(answer.message):

@@ -16,7 +16,8 @@ from srs_ik.kernels.layout.asked import Best, Goal, Target
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.triangle import place, shoulder_to_wrist, target_frame
-from srs_ik.kernels.near.second_attempts import MORE_STEPS, close_starts
+from srs_ik.kernels.near.branch_search import close_starts
+from srs_ik.kernels.near.second_attempts import MORE_STEPS
 
 STEPS = 20
 BESIDE = 0.01

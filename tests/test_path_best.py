@@ -543,7 +543,8 @@ def test_a_path_is_the_least_where_nothing_with_smaller_steps_is_left(seeded):
     poses = poses_of(arm, known)
     path = arm.solve_path(poses, seed=known[0] if seeded else None, objective="largest_step")
     assert_on_poses("human_arm", arm, poses, path)
-    assert path.lower_bound <= path.value <= np.abs(np.diff(known, axis=0)).max()
+    # It is that of the known motion, but for rounding.
+    assert path.lower_bound <= path.value <= np.abs(np.diff(known, axis=0)).max() + 1e-14
 
 
 @pytest.mark.files

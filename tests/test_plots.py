@@ -234,7 +234,10 @@ def test_a_pose_out_of_reach_is_exit_status_1_with_one_line(kind, tmp_path):
         (["intervals", "iiwa14", "--q", *Q, "--output", "a.colour"], "a.colour"),
         (["intervals", "iiwa14", "--q", *Q, "--output", "no/such/folder/a.png"], "no/such/folder"),
         (["arm-angle", "iiwa14", "--q", *Q, "--output", "a.png", "--branch", "9"], "not 9"),
-        (["ellipsoids", "iiwa14", "--q", *Q, "--output", "a.png", "--part", "full"], "linear or angular"),
+        (
+            ["ellipsoids", "iiwa14", "--q", *Q, "--output", "a.png", "--part", "full"],
+            "'full' is not one of 'linear', 'angular'",
+        ),
         (
             ["ellipsoids", "human_arm", "--q", *Q, "--output", "a.png", "--limits"],
             "velocity limit for shoulder_yaw",

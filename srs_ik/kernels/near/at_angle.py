@@ -24,6 +24,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near import band, on_curves
+from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.second_attempts import (
     ATTEMPTS,
     STRETCHED,
@@ -199,6 +200,16 @@ def highest_cost(found):
 
 
 @kernel
+def put_searched(P, target, psi, wanted, goal, found, A):
+    """Search branches (or the wanted one, 0 to 7) without a posture in rows of found (8, 8)."""
+    for branch in range(8):
+        if found[branch, ROW_COST] >= NO_BRANCH and wanted in (-1, branch):
+            q, value = search_branch(P, target, psi, branch, goal, A)
+            if value < found[branch, ROW_COST]:
+                put_found(q, value, found[branch])
+
+
+@kernel
 def put_passed(P, by, followed, psi, goal, found):
     """Take over what is better where curves pass an arm angle, or barely beside it, in rows of found (8, 8).
 
@@ -249,12 +260,13 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
             # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
             within = Setting(target, by.side, True, J, A)
             put_passed(P, within, on_curves.followed_curves(P, within, on_curves.EVERY_BRANCH), psi, goal, found)
+        if not certain:
+            put_searched(P, target, psi, -1, goal, found, A)
         put_borders(P, goal, found)
         for branch in range(8):
             # The curves of an almost exact limb are not the only postures there: it has surfaces of them.
             if P[MISS] < ROUNDED * P[FAR] and found[branch, ROW_COST] >= OUTSIDE:
-                attempts = ATTEMPTS if found[branch, ROW_COST] >= NO_BRANCH else 1
-                q, value = evaluate_again(P, target, psi, branch, goal, attempts, A)
+                q, value = evaluate_again(P, target, psi, branch, goal, 1, A)
                 if value >= OUTSIDE and on_line:
                     q, _, value = stretched(P, target, psi, branch, goal, J, A)
                 if value < OUTSIDE:
@@ -347,6 +359,12 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
         kept = inside.runs.shape[0]
         (q, best, lowest), _ = from_curves(P, within, inside, psi, wanted, goal, (q, best, lowest))
         if lowest < OUTSIDE or certain:
+            return q, best, lowest
+    if lowest >= NO_BRANCH:
+        found = np.full((8, 8), 2.0 * NO_BRANCH)
+        put_searched(P, target, psi, wanted, goal, found, A)
+        q, best, lowest = on_curves.best_found(found, wanted, seed)
+        if lowest < OUTSIDE:
             return q, best, lowest
     attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
     other, value = evaluate_again(P, target, psi, wanted, goal, attempts, A)

@@ -6,15 +6,11 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.lanes import ALL, one_of
 from srs_ik.kernels.algebra.pointers import copy, keep, read7, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain import newton
 from srs_ik.kernels.chain.descent import THOROUGH, descend
-from srs_ik.kernels.chain.eight import put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton_eight import close_eight
-from srs_ik.kernels.chain.starts import FIRST, WIDTH
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.outreach import is_almost_straight
@@ -28,13 +24,11 @@ from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.surface import EVERY_SPLIT, level_place, put_starts
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import is_oblique, is_well_bent
+from srs_ik.kernels.near.branch_search import close_starts, put_start
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
-
-ALMOST_CLOSED = 1e-4
-"""What steps in eight leave of an error, m or rad, where the posture may be there."""
 
 ATTEMPTS = 9
 """Arm angles from which a given one is tried."""
@@ -87,15 +81,6 @@ def bend(P, q, branch):
 
 
 @kernel
-def put_start(A, i, a, q4, b):
-    """Write one of eight starts into A: shoulder, elbow and wrist."""
-    for j in range(3):
-        A[FIRST + i, j] = a[j]
-        A[FIRST + i, 4 + j] = b[j]
-    A[FIRST + i, 3] = q4
-
-
-@kernel
 def put_turned(P, q, b, i, A, k):
     """Write the i-th start next to a posture that is bent to the sides of branch b into row k of A; how many there are.
 
@@ -111,30 +96,6 @@ def put_turned(P, q, b, i, A, k):
     dw = (i // turns_s) * math.pi / 3.0
     put_start(A, k, (s[0] + ds, s[1], s[2] + against_s * ds), s[3], (s[4] + dw, s[5], s[6] + against_w * dw))
     return turns_s * turns_w
-
-
-@kernel
-def close_starts(P, target, psi, branch, goal, best, steps, A):
-    """Newton's method from eight postures in A: the best one in a branch (-1: any), if it is better than one so far.
-
-    Steps in eight divide by almost nothing next to a singularity: what comes almost there goes on alone, with pivots.
-    """
-    R, p, place_ = target
-    rows = row(A, FIRST)
-    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, steps)
-    position, orientation, _ = tip_errors(P, q, R, p)
-    put_eight(rows, WIDTH, ALL, q)
-    for i in range(8):
-        error = max(one_of(position, i), one_of(orientation, i))
-        found = read7(row(A, FIRST + i))
-        closed = (met >> i) & 1 == 1
-        if not closed and 0.1 * newton.CLOSED < error < ALMOST_CLOSED:
-            found, closed = newton.close_at_angle(P, found, R, p, place_[0], place_[1], psi, steps, A)
-        if closed and (branch < 0 or branch_of(P, found) == branch):
-            found, value = cost_of_turn(P, found, goal)
-            if value < best.cost:
-                best = Best(found, value)
-    return best
 
 
 @kernel

@@ -113,11 +113,12 @@ class Strips:
 def least_largest_step(problem: Problem) -> Way:
     """The path whose largest joint step is least, from that of the least sum of squares on."""
     # Moved along its true curves, a near arm may leave what is free.
-    rank = worth_of if problem.is_near and problem.free is not None else worth
+    may_leave = problem.is_near and problem.free is not None
+    rank = worth_of if may_leave else worth
     way = best_in_time(replace(problem, objective=SUM_OF_SQUARES))
     polished = copy(way)
     polish(problem, polished)
-    if rank(problem, polished) < rank(problem, way):
+    if not may_leave or rank(problem, polished) < rank(problem, way):
         way = polished
     loose = replace(problem, limited=False, objective=SUM_OF_SQUARES)
     whole = strips_of(loose)
