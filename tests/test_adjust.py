@@ -142,7 +142,7 @@ def test_continuous_joints_can_be_given_limits_and_others_none():
         ({"iiwa_joint_8": {"lower": 0}}, r"'iiwa_joint_8' \(did you mean 'iiwa_joint_7'.*the joints are iiwa_joint_1,"),
         (
             {"iiwa_joint_1": {"low": 0}},
-            "'iiwa_joint_1' has no limit 'low' \\(did you mean 'lower'\\?\\); limits are lower, upper, velocity, effort",
+            r"'iiwa_joint_1' has no limit 'low' \(did you mean 'lower'\?\); limits are lower, upper, velocity",
         ),
         ({"iiwa_joint_1": {"lower": 5}}, r"lower limit 5.0 and the upper limit 2\.96\d*, no range"),
         ({"iiwa_joint_1": {"lower": np.inf, "upper": np.inf}}, "no range"),
