@@ -55,9 +55,9 @@ class Trajectory:
         times: Array,
         stands: NDArray[np.bool_],
         limits: tuple[Array, Array],
-        pushes: tuple[Array, Array],
+        most: tuple[Array, Array],
     ) -> None:
-        velocity, acceleration = pushes
+        velocity, acceleration = most
         moves = np.append(True, np.diff(times) > APART * times[-1])
         own, angles = times[moves], q[moves]
         rests = np.zeros(len(own), dtype=bool)
