@@ -10,13 +10,10 @@ from srs_ik.cli.pose_file import write_table
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.solution import Solution
     from srs_ik.solve.solutions import BatchSolution
 
 MOST_LINES = 40
 """Answers that a table for people shows."""
-
-_FIELDS = ("status", "branch", "arm_angle", "position_error", "orientation_error")
 
 
 def report(arm: Arm, found: BatchSolution, poses: Path, lines: list[int], out: Path | None, as_json: bool) -> None:
@@ -26,7 +23,8 @@ def report(arm: Arm, found: BatchSolution, poses: Path, lines: list[int], out: P
         typer.Exit: a pose has no solution; a line on standard error names the first one.
     """
     if out is not None:
-        write_table(out, (*arm.joint_names, *_FIELDS), (_row(found[i]) for i in range(len(found))))
+        columns = {name: column.tolist() for name, column in found.as_table().items()}
+        write_table(out, tuple(columns), zip(*columns.values(), strict=True))
     if as_json:
         _print_json(arm, found, lines)
     else:
@@ -36,10 +34,6 @@ def report(arm: Arm, found: BatchSolution, poses: Path, lines: list[int], out: P
         first, more = found[failed[0]], f" ({len(failed) - 1} more)" if len(failed) > 1 else ""
         place = f"{poses}, line {lines[failed[0]]}"
         fail(f"{place}: {first.status.name}: {first.message}{more}")
-
-
-def _row(solution: Solution) -> list[object]:
-    return [*solution.q.tolist(), solution.status, *(getattr(solution, field) for field in _FIELDS[1:])]
 
 
 def _print_json(arm: Arm, found: BatchSolution, lines: list[int]) -> None:
