@@ -112,14 +112,8 @@ class Strips:
 
 def least_largest_step(problem: Problem) -> Way:
     """The path whose largest joint step is least, from that of the least sum of squares on."""
-    # Moved along its true curves, a near arm may leave what is free.
-    may_leave = problem.is_near and problem.free is not None
-    rank = worth_of if may_leave else worth
     way = best_in_time(replace(problem, objective=SUM_OF_SQUARES))
-    polished = copy(way)
-    polish(problem, polished)
-    if not may_leave or rank(problem, polished) < rank(problem, way):
-        way = polished
+    polish(problem, way)
     loose = replace(problem, limited=False, objective=SUM_OF_SQUARES)
     whole = strips_of(loose)
     if whole is None:
@@ -135,7 +129,7 @@ def least_largest_step(problem: Problem) -> Way:
                 put_bounds(other, whole)
             refine(loose, other, FINE, 0.0)
             polish(problem, other)
-            if rank(problem, other) < rank(problem, way):
+            if worth_of(problem, other) < worth_of(problem, way):
                 way = other
                 strips = strips.below(problem, way)
         if not 0 < len(strips.rows) <= MOST_CELLS * len(problem.T):

@@ -57,8 +57,13 @@ def move_in_free(problem: Problem, way: Way, move: Callable[[Problem, Way], None
 
 
 def worth_of(problem: Problem, way: Way) -> tuple[int, int, float]:
-    """What is compared of paths: breaks, postures that are not free, and with as many what is to be least."""
+    """What is compared of paths: breaks, postures that are not free, and with as many what is to be least.
+
+    Moved along its true curves, a near arm alone may leave what is free.
+    """
     missing, value = worth(problem, way)
+    if problem.free is None or not problem.is_near:
+        return missing, 0, value
     return missing, int((way.reached & ~are_free(problem, way)).sum()), value
 
 

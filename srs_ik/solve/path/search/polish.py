@@ -22,7 +22,7 @@ from srs_ik.solve.path.problem import (
     too_fast,
     worth,
 )
-from srs_ik.solve.path.search.on_curves import move_in_free
+from srs_ik.solve.path.search.on_curves import move_in_free, worth_of
 from srs_ik.system.arrays import Array
 
 Breaks = NDArray[np.bool_]
@@ -126,14 +126,14 @@ def slowed(problem: Problem, way: Way, loose: Breaks) -> Way:
 
 
 def polish(problem: Problem, way: Way) -> None:
-    """Move a path, in place, to the least largest step or the least time near it, unless that is worse."""
+    """Move a path, in place, to the least largest step or the least time near it, unless that is worse or hits more."""
     found, passed = copy(way), np.diff(np.flatnonzero(way.reached))
     if problem.objective == LARGEST_STEP:
         # Over poses that are not reached steps may be as many times as long.
         polish_kind(problem, found, LARGEST, np.ones(7), passed > 1)
     elif problem.objective == TIME:
         polish_kind(problem, found, SLOWEST, 1.0 / problem.arm.velocity_limit, np.zeros(len(passed), np.bool_))
-    if worth(problem, found) < worth(problem, way):
+    if worth_of(problem, found) < worth_of(problem, way):
         take(way, found)
 
 
