@@ -134,11 +134,10 @@ def test_joints_between_the_arm_and_its_tip_that_stand_still_are_told():
         srs_ik.load(body(), base="floor", tip="l7")
 
 
-def test_a_joint_that_mimics_a_locked_one_is_asked_for():
+def test_a_joint_that_mimics_a_locked_one_stands_where_that_has_it():
     slide = joint("second", "l7", "plate", "prismatic", "0 0 1", 0.0, 1.0, '<mimic joint="lift"/>')
     xml = body().replace("</robot>", slide + "</robot>")
-    with pytest.raises(InvalidRobot, match=r"^'second' mimics 'lift', which is locked: give its position too$"):
-        srs_ik.load(xml, locked={"lift": 0.1})
+    assert srs_ik.load(xml, locked={"lift": 0.1}, tip="l7").locked == {"lift": 0.1, "second": 0.1}
     assert srs_ik.load(xml, locked={"lift": 0.1, "second": 0.1}, tip="l7").locked == {"lift": 0.1, "second": 0.1}
 
 
@@ -205,3 +204,73 @@ def test_a_simulated_arm_stands_on_its_locked_joints():
     data = arm.model.createData()
     pin.forwardKinematics(arm.model, data, arm.configuration(np.array(Q, dtype=float)))
     np.testing.assert_allclose(state.xpos[-1], data.oMi[7].translation, atol=1e-12)  # m, rounding
+
+
+# Joints that follow others
+
+
+def led(more: str, leader: str = "", lowest: float = 0.0) -> str:
+    """`body` with a lift that follows another joint."""
+    return body(lowest, f"<mimic {more}/>").replace("</robot>", leader + "</robot>")
+
+
+AHEAD = joint("ahead", "floor", "cart", "prismatic", "0 0 1", -1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("locked", "lift"), [(None, 0.25), ({"ahead": 0.1}, 0.05), ({"ahead": 0.1, "lift": 0.0505}, 0.0505)]
+)
+def test_a_joint_that_follows_another_stands_where_that_one_has_it(locked, lift):
+    """Against Pinocchio's own joints that follow others."""
+    xml = led('joint="ahead" multiplier="-2" offset="0.25"', AHEAD)
+    arm = srs_ik.load(xml, base="floor", locked=locked)
+    assert arm.locked["lift"] == pytest.approx(lift, abs=1e-12)
+    model = pin.buildModelFromXML(xml, mimic=True)
+    data, at_zero = model.createData(), pin.neutral(model)
+    at_zero[model.joints[model.getJointId("ahead")].idx_q] = (0.25 - lift) / 2.0
+    pin.framesForwardKinematics(model, data, at_zero)
+    base, tip = (data.oMf[model.getFrameId(frame)] for frame in (arm.base, arm.tip))
+    np.testing.assert_allclose(
+        arm.forward_kinematics(np.zeros(7)).homogeneous, base.actInv(tip).homogeneous, atol=1e-12
+    )
+
+
+def test_a_chain_of_followers_and_a_ring_of_them_stand_still():
+    second = joint("second", "floor", "box", "prismatic", "0 0 1", -1.0, 1.0, '<mimic joint="ahead" offset="0.2"/>')
+    xml = led('joint="second" multiplier="0.5" offset="0.1"', AHEAD + second)
+    assert srs_ik.load(xml, base="floor").locked == {"lift": pytest.approx(0.2), "second": 0.2}
+    ring = joint("second", "floor", "box", "prismatic", "0 0 1", -1.0, 1.0, '<mimic joint="lift"/>')
+    assert np.isfinite(srs_ik.load(led('joint="second"', ring), base="floor").forward_kinematics(np.zeros(7))).all()
+
+
+def test_a_position_that_contradicts_the_joint_that_it_follows_is_refused():
+    xml = led('joint="ahead" offset="0.2"', AHEAD)
+    with pytest.raises(InvalidRobot, match=r"^'lift' mimics 'ahead', which is locked at 0\.1: it stands at 0\.3 then"):
+        srs_ik.load(xml, base="floor", locked={"ahead": 0.1, "lift": 0.1})
+
+
+def test_a_base_that_a_joint_of_the_arm_moves_is_refused():
+    """The lift goes up with joint 7: no arm on the floor has one pose for it."""
+    second = joint("second", "floor", "box", "revolute", "0 0 1", -1.0, 1.0, '<mimic joint="j7"/>')
+    for xml in (led('joint="j7"', second), led('joint="second"', second)):
+        with pytest.raises(NotAnSrsLimb, match=r"'lift', between base 'floor' and tip .*, follows 'j7', a joint of"):
+            srs_ik.load(xml, base="floor")
+        assert srs_ik.load(xml, base="torso").still_joints == ("waist", "turn")
+        with pytest.warns(UserWarning, match="it stays there while its leader moves"):
+            assert srs_ik.load(xml, base="floor", locked={"lift": 0.2}).locked == {"lift": 0.2}
+
+
+def test_a_tip_that_a_joint_of_the_arm_moves_a_second_time_is_refused():
+    follower = '<mimic joint="j7" multiplier="0.1"/></joint>'
+    head, _, finger = body().partition('<joint name="finger"')
+    xml = head + '<joint name="finger"' + finger.replace("</joint>", follower, 1)
+    for source in (xml, pin.buildModelFromXML(xml, mimic=True)):
+        with pytest.raises(NotAnSrsLimb, match=r"'finger', between base .* and tip 'nail', follows 'j7', a joint of"):
+            srs_ik.load(source, tip="nail")
+        assert srs_ik.load(source, tip="l7").still_joints == ()
+
+
+@pytest.mark.parametrize("more", ['joint="ahead" offset="nan"', 'joint="ahead" multiplier="1e300"'])
+def test_figures_of_mimicking_joints_are_checked(more):
+    with pytest.raises(InvalidRobot, match=r"<mimic>.* of joint 'lift'"):
+        srs_ik.load(led(more, AHEAD), base="floor")

@@ -20,8 +20,8 @@ from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
 from srs_ik.robot.description.srdf import chain_of, disabled
 from srs_ik.robot.limb import Hand, SrsLimb, Vector
-from srs_ik.robot.locked import as_locked, configuration_of
-from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range, still_beyond
+from srs_ik.robot.locked import as_locked, configuration_of, with_followers
+from srs_ik.robot.oddities import odd_limits, odd_size, out_of_range, still_beyond, tied_between
 from srs_ik.robot.recognition import default_reference, recognise
 from srs_ik.robot.sides import is_meant
 from srs_ik.robot.skeleton import Skeleton
@@ -109,6 +109,7 @@ def load(
         limb = None
     joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip, description.locked)
+    _refuse_followers(description, chain, locked or {})
     described = chain
     for changed in (description.limits, limits):
         chain = changes.within_limits(chain, changed) if changed is not None else chain
@@ -190,6 +191,7 @@ def _warn_of_oddities(description: Description, chain: Chain, limb: SrsLimb, giv
     model, locked = description.robot.model, description.locked
     elsewhere = [
         *out_of_range(model, chain.between, locked),
+        *tied_between(chain.between, _ties(description), locked),
         *still_beyond(model, chain.joint_names[-1], chain.between, chain.tip, locked),
     ]
     for clause in (*odd_limits(limits), *odd_size(limb), *elsewhere):
@@ -197,12 +199,32 @@ def _warn_of_oddities(description: Description, chain: Chain, limb: SrsLimb, giv
 
 
 def _standing(description: Description, locked: Any) -> Description:
-    """The description with other joints locked where somebody says."""
-    if locked is None:
-        return description
+    """The description with other joints locked where somebody says, or where they follow those."""
+    robot, given = description.robot, description.locked
+    if locked is not None:
+        together = {**given, **locked} if isinstance(locked, Mapping) else locked
+        given = as_locked(together, robot.model, robot.followers)
+    return replace(description, locked=with_followers(robot.model, given, robot.followers))
+
+
+def _ties(description: Description) -> dict[str, str]:
+    """Joints that are tied to others, of which is not known how, each with a clause that says so."""
     robot = description.robot
-    together = {**description.locked, **locked} if isinstance(locked, Mapping) else locked
-    return replace(description, locked=as_locked(together, robot.model, robot.mimic_joints))
+    return {name: clause for name, clause in robot.mimic_joints.items() if name not in robot.followers}
+
+
+def _refuse_followers(description: Description, chain: Chain, locked: Collection[str]) -> None:
+    """Raise NotAnSrsLimb where a joint between base and tip follows one of the arm, and nobody says where it stands."""
+    followers = description.robot.followers
+    for name in chain.between:
+        leader = name
+        for _ in followers:
+            leader = followers[leader].leader if leader in followers and leader not in locked else leader
+        if leader != name and leader in chain.joint_names:
+            where = f"{quoted(name)}, between base {quoted(chain.base)} and tip {quoted(chain.tip)}"
+            why = f"follows {quoted(leader)}, a joint of the arm, and moves with it"
+            how = f"choose a base and tip on one side of it, or hold it by locked={{{name!r}: ...}}"
+            raise NotAnSrsLimb(f"{description.robot.source}: {where}, {why}; {how}", chain.joint_names)
 
 
 def _skeleton(description: Description) -> Skeleton:
@@ -211,7 +233,7 @@ def _skeleton(description: Description) -> Skeleton:
 
 def _kept_out(description: Description) -> dict[str, str]:
     """Joints that are none of a limb, each with a clause that says why."""
-    return {**description.robot.mimic_joints, **dict.fromkeys(description.locked, "is locked")}
+    return {**dict.fromkeys(description.locked, "is locked"), **description.robot.mimic_joints}
 
 
 def _choose(

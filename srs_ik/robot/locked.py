@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted, warn_caller
 from srs_ik.inputs.numbers import real_number
+from srs_ik.robot.description.check import Follower
 from srs_ik.robot.limb import Vector
 from srs_ik.robot.skeleton import is_prismatic, is_revolute, limits_of
 
@@ -17,7 +18,11 @@ ROUNDING = 1e-9
 """How far beyond a limit, rad or m, a position may be that somebody has typed from it."""
 
 
-def as_locked(locked: Any, model: Any, follows: Mapping[str, str]) -> dict[str, float]:
+TYPED = 1e-3
+"""By how much figures that somebody has typed may differ from what follows from others, rad or m."""
+
+
+def as_locked(locked: Any, model: Any, followers: Mapping[str, Follower]) -> dict[str, float]:
     """Positions of joints by name, rad or m, checked; a warning tells of those that look like degrees.
 
     A joint that follows another one is warned of, too, where that one is not locked: its leader may be of the arm.
@@ -25,26 +30,48 @@ def as_locked(locked: Any, model: Any, follows: Mapping[str, str]) -> dict[str, 
     Args:
         locked: what was given, a mapping.
         model: ``pinocchio.Model`` of the whole robot.
-        follows: for each joint that follows another one a clause that says so.
+        followers: how joints follow others.
 
     Raises:
         InvalidRobot: it is no mapping from joints that turn or slide to finite positions inside their limits, or a
-            joint that follows one of them is left out.
+            joint is not where it follows another one of them.
     """
     if not isinstance(locked, Mapping):
         raise InvalidRobot(f"locked is given as {{joint: position}}, not as {quoted(locked)}")
     found = {name: _position(model, name, value) for name, value in locked.items()}
     for name in found:
-        left = [
-            follower for follower, clause in follows.items() if clause == f"mimics {name}" and follower not in found
-        ]
-        if left:
-            raise InvalidRobot(f"{left[0]!r} mimics {name!r}, which is locked: give its position too")
-        clause = follows.get(name, "")
-        if clause.startswith("mimics ") and clause not in {f"mimics {leader}" for leader in found}:
-            said = f"{name!r} is locked at {found[name]:g} and {clause}, which is not locked"
+        follower = followers.get(name)
+        if follower is None:
+            continue
+        leader, (_, multiplier, offset) = follower.leader, follower
+        if leader not in found:
+            said = f"{name!r} is locked at {found[name]:g} and mimics {listed([leader])}, which is not locked"
             warn_caller(f"{said}: it stays there while its leader moves")
+        elif abs(found[name] - (there := multiplier * found[leader] + offset)) > TYPED:
+            said = f"{name!r} mimics {leader!r}, which is locked at {found[leader]:g}"
+            raise InvalidRobot(f"{said}: it stands at {there:g} then, not at {found[name]:g}")
     return found
+
+
+def with_followers(model: Any, locked: Mapping[str, float], followers: Mapping[str, Follower]) -> dict[str, float]:
+    """Positions of joints that are locked, and of those that follow them or others at zero, rad or m.
+
+    Those at zero that nobody has named are left out.
+    """
+
+    def position(name: str, behind: tuple[str, ...] = ()) -> float:
+        if name in locked or name not in followers or name in behind:
+            return locked.get(name, 0.0)
+        leader, multiplier, offset = followers[name]
+        return multiplier * position(leader, (*behind, name)) + offset
+
+    led = {name: position(name) for name in followers if name not in locked and _is_single(model, name)}
+    return {**{name: x for name, x in led.items() if x != 0.0}, **locked}
+
+
+def _is_single(model: Any, name: str) -> bool:
+    joint = model.joints[model.getJointId(name)]
+    return is_revolute(joint) or is_prismatic(joint)
 
 
 def _position(model: Any, name: Any, value: Any) -> float:
@@ -74,6 +101,8 @@ def configuration_of(model: Any, locked: Mapping[str, float]) -> Vector:
     configuration = np.array(pin.neutral(model))
     for name, position in locked.items():
         joint = model.joints[model.getJointId(name)]
+        if joint.nq == 0:
+            continue  # follows another one in this model
         whole = [position] if joint.nq == 1 else [np.cos(position), np.sin(position)]
         configuration[joint.idx_q : joint.idx_q + joint.nq] = whole
     return configuration

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from srs_ik.errors import listed, quoted
@@ -54,6 +54,14 @@ def out_of_range(model: Any, joints: Iterable[str], locked: Mapping[str, float])
         if not lower - ROUNDING <= 0.0 <= upper + ROUNDING
     ]
     return [f"locked at 0, where it cannot be: {listed(wrong)}; say where it is, by locked= or --lock"] if wrong else []
+
+
+def tied_between(joints: Iterable[str], ties: Mapping[str, str], locked: Collection[str]) -> list[str]:
+    """That joints between base and tip are tied to others, and stand at zero, as nobody says; at most one clause."""
+    tied = [f"{name} {ties[name]}" for name in joints if name in ties and name not in locked]
+    if not tied:
+        return []
+    return [f"on the way from base to tip {listed(tied)}, and is held at zero; say where it is, by locked= or --lock"]
 
 
 def still_beyond(model: Any, last: str, joints: Iterable[str], tip: str, locked: Mapping[str, float]) -> list[str]:

@@ -170,7 +170,7 @@ def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None, a
         reference=None if card.reference is None else np.array(card.reference),
         hand=None if card.grasp is None else np.array([card.grasp, card.pronosupination]),
         limits=card.limits,
-        locked=as_locked(card.locked, robot.model, robot.mimic_joints),
+        locked=as_locked(card.locked, robot.model, robot.followers),
         tool=card.tool,
         mount=card.mount,
     )

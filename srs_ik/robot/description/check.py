@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
-from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
+from srs_ik.errors import InvalidRobot, did_you_mean, quoted
 from srs_ik.robot.description.figures import figure
 from srs_ik.system import bounds
 
@@ -22,7 +23,15 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _MASSES = f"a mass is between 0 and {bounds.HEAVIEST:g} kg"
 
 
-def check(robot: Element, source: str) -> dict[str, str]:
+class Follower(NamedTuple):
+    """How a joint follows another one: it is at ``multiplier * position of the leader + offset``, rad or m."""
+
+    leader: str  # name of the other joint; empty where the file does not say
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+def check(robot: Element, source: str) -> dict[str, Follower]:
     """Check the elements of a robot, and settle in place what files leave open.
 
     A robot without a name is called "robot". Every figure is replaced by its shortest exact decimal form. Negative or
@@ -34,7 +43,7 @@ def check(robot: Element, source: str) -> dict[str, str]:
         source: what error messages call it.
 
     Returns:
-        For each joint that mimics another one a clause that says so.
+        For each joint that mimics another one how it does.
 
     Raises:
         InvalidRobot: names are missing or used twice, figures are no finite numbers, a range is reversed, an axis has
@@ -52,7 +61,7 @@ class _Checker:
     def fail(self, what: str) -> InvalidRobot:
         return InvalidRobot(f"{self.source}: {what}", self.source)
 
-    def robot(self, robot: Element) -> dict[str, str]:
+    def robot(self, robot: Element) -> dict[str, Follower]:
         # Parsers refuse a robot without a name; makers leave it out all the same.
         robot.attrib["name"] = robot.get("name", "").strip() or "robot"
         self.name(robot, "the <robot> element")
@@ -70,13 +79,13 @@ class _Checker:
             raise self.fail(
                 f"its joints have {freedom} degrees of freedom, more than the {bounds.FREEDOM} that are read"
             )
-        clauses = {joint.attrib["name"]: self.joint(joint) for joint in joints}
+        followers = {joint.attrib["name"]: self.joint(joint) for joint in joints}
         self.tree([link.attrib["name"] for link in links], joints)
         # The version decides whether quaternions count; without any it only makes parsers complain of unknown ones.
         has_quaternion = any("quat_xyzw" in origin.attrib for origin in robot.iter("origin"))
         kept = {"name", "version"} if has_quaternion else {"name"}
         robot.attrib = {key: value for key, value in robot.attrib.items() if key in kept}
-        return {name: clause for name, clause in clauses.items() if clause}
+        return {name: follower for name, follower in followers.items() if follower is not None}
 
     def name(self, element: Element, which: str) -> str:
         name = element.get("name", "")
@@ -116,8 +125,8 @@ class _Checker:
                 raise self.fail(f"{key} of the {where} is {inertia.attrib[key]}, more than {bounds.HEAVIEST:g} kg m^2")
         self.origin(inertial, where)
 
-    def joint(self, joint: Element) -> str:
-        """Check one joint; a clause if it mimics another, else empty."""
+    def joint(self, joint: Element) -> Follower | None:
+        """Check one joint; how it mimics another, or None."""
         where = f"joint {quoted(joint.attrib['name'])}"
         if joint.attrib["name"] == "universe":
             raise self.fail("a joint of it is called 'universe', which is Pinocchio's name of the world")
@@ -135,11 +144,7 @@ class _Checker:
         self.axis(joint, kind, where)
         self.limit(joint, kind, where)
         self.dynamics(joint, kind, where)
-        mimic = joint.find("mimic")
-        if mimic is None:
-            return ""
-        joint.remove(mimic)
-        return f"mimics {listed([mimic.get('joint') or 'another joint'])}" if kind != "fixed" else ""
+        return self.mimic(joint, kind, where)
 
     def origin(self, element: Element, where: str) -> None:
         origin = element.find("origin")
@@ -195,6 +200,18 @@ class _Checker:
             joint.remove(dynamics)
         else:
             dynamics.attrib = {key: repr(value) for key, value in values.items()}
+
+    def mimic(self, joint: Element, kind: str, where: str) -> Follower | None:
+        mimic = joint.find("mimic")
+        if mimic is None:
+            return None
+        joint.remove(mimic)
+        if kind == "fixed":
+            return None
+        multiplier, offset = (self.number(mimic, key, where, x) for key, x in (("multiplier", 1.0), ("offset", 0.0)))
+        if max(abs(multiplier), abs(offset)) > bounds.FARTHEST:
+            raise self.fail(f"<mimic> of {where} has a figure beyond {bounds.FARTHEST:g}")
+        return Follower(mimic.get("joint", ""), multiplier, offset)
 
     def number(self, element: Element, key: str, where: str, default: float | None = None) -> float:
         if key not in element.attrib and default is not None:

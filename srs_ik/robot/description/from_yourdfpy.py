@@ -49,7 +49,8 @@ def elements(urdf: Any, source: str) -> Element:
         if dynamics is not None:
             SubElement(element, "dynamics", _given(damping=dynamics.damping, friction=dynamics.friction))
         if joint.mimic is not None:
-            SubElement(element, "mimic", _given(joint=joint.mimic.joint))
+            mimic = joint.mimic
+            SubElement(element, "mimic", _given(joint=mimic.joint, multiplier=mimic.multiplier, offset=mimic.offset))
     return root
 
 

@@ -14,9 +14,9 @@ from xml.etree.ElementTree import Element, tostring
 
 import pinocchio as pin
 
-from srs_ik.errors import InvalidRobot
+from srs_ik.errors import InvalidRobot, listed
 from srs_ik.robot.description import document, mjcf, xacro
-from srs_ik.robot.description.check import check
+from srs_ik.robot.description.check import Follower, check
 from srs_ik.robot.description.files import label_of, read
 from srs_ik.system.forks import WHOLE
 
@@ -40,6 +40,7 @@ class RobotModel:
     # joints that follow another one, or are tied to one, each with a clause that says so, such as "mimics j1". `model`
     # has them as joints of their own, but they cannot be joints of a limb.
     mimic_joints: Mapping[str, str] = field(default_factory=dict)
+    followers: Mapping[str, Follower] = field(default_factory=dict)  # those of them of which is known how they follow
     drawing: Drawing | None = None  # where its shapes are; None for a bare model and for MJCF
 
 
@@ -65,7 +66,7 @@ def load_model(
     if xacro_args and not (isinstance(source, str | os.PathLike) and Path(source).suffix == ".xacro"):
         raise InvalidRobot("arguments are for xacro files, whose names end in .xacro")
     if isinstance(source, pin.Model):
-        return RobotModel(source, source.name or "robot", "the pinocchio.Model")
+        return RobotModel(source, source.name or "robot", "the pinocchio.Model", followers=_coupled(source))
     if isinstance(source, str) and is_xml(source):
         return _from_elements(document.parse(source, "the URDF text"), "the URDF text", Drawing(None, source))
     if isinstance(source, str | os.PathLike):
@@ -96,7 +97,7 @@ def is_xml(text: str) -> bool:
 
 
 def _from_elements(robot: Element, source: str, drawing: Drawing) -> RobotModel:
-    mimic_joints = check(robot, source)
+    followers = check(robot, source)
     text = tostring(robot, encoding="unicode")
     with _stderr_captured() as printed:
         try:
@@ -104,7 +105,14 @@ def _from_elements(robot: Element, source: str, drawing: Drawing) -> RobotModel:
         except Exception as error:
             complaint = _first_complaint(printed()) or str(error).strip().partition("\n")[0]
             raise InvalidRobot(f"{source}: {complaint}", source) from None
-    return RobotModel(model, model.name, source, mimic_joints, drawing)
+    clauses = {name: f"mimics {listed([follower.leader or 'another joint'])}" for name, follower in followers.items()}
+    return RobotModel(model, model.name, source, clauses, followers, drawing)
+
+
+def _coupled(model: Any) -> dict[str, Follower]:
+    """The joints of a model that follow others in it; where they are is Pinocchio's affair."""
+    pairs = zip(model.mimicking_joints, model.mimicked_joints, strict=True)
+    return {model.names[follower]: Follower(model.names[leader]) for follower, leader in pairs}
 
 
 @contextmanager
