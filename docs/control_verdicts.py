@@ -6,7 +6,7 @@ from typing import Any
 
 from what_holds_rows import CORRECTED, FAILS, HOLDS, Row
 
-COMMAND = "srs-ik reproduce control"
+COMMAND = "srs-ik reproduce control --out DIR"
 
 
 def verdicts(found: dict[str, Any]) -> list[Row]:

@@ -65,7 +65,7 @@ def accurate(figures: dict[str, Any], limb: srs_ik.Arm) -> Row:
         f"Largest mean {mean:.1e}, worst {worst:.1e} (m, rad) in {2 * sides[0]['tasks']:,} tasks, with errata 3 to 6. "
         f"With q_5 as printed {turned} of {of:,} hands are turned about, *phi* reversed; by arc cosine as printed, "
         f"angles end at {printed:.1e} rad (erratum 8)",
-        "srs-ik reproduce ik-accuracy",
+        "srs-ik reproduce ik-accuracy --out DIR",
     )
 
 
@@ -94,7 +94,7 @@ def robust(figures: dict[str, Any], degenerate: dict[str, Any]) -> Row:
         f"grasp, {kinds[2]['reached']} without), links as long as they are to {lengths:.1e} m. Of "
         f"{degenerate['postures']:,} more, half of them degenerate, {many} are not finite. The print is undefined in "
         "those, and needs errata 1, 9 and 10",
-        "srs-ik reproduce arm-sphere; python benchmarks/claims.py",
+        "srs-ik reproduce arm-sphere --out DIR; python benchmarks/claims.py",
     )
 
 
@@ -106,7 +106,7 @@ def fast(figures: dict[str, Any]) -> Row:
         verdict(posture["single"] < 30.0, both["single"] < 78.0),
         f"{posture['single']:.1f} us and {both['single']:.1f} us one at a time, {posture['batch']:.2f} us and "
         f"{both['batch']:.1f} us in a batch of 1,000; compiled, where the paper's figures are MATLAB's",
-        "srs-ik reproduce arm-sphere, ik-accuracy",
+        "srs-ik reproduce arm-sphere ik-accuracy --out DIR",
     )
 
 
@@ -119,7 +119,7 @@ def two_arms(figures: dict[str, Any]) -> Row:
         verdict(wrong == 0, apart < 1e-12, well=CORRECTED),
         f"{wrong} of {len(kinds)} x {kinds[0]['postures']} postures on the wrong side or off the target; both elbows "
         f'lie opposite each other to {small(apart)} m. The condition on the sign has to be read with "or" (erratum 2)',
-        "srs-ik reproduce lr-arms",
+        "srs-ik reproduce lr-arms --out DIR",
     )
 
 
@@ -132,7 +132,7 @@ def aligned(lr_arms: dict[str, Any], sphere: dict[str, Any]) -> Row:
         verdict(gain < 1e-12),
         f"None of 720 other elbows around the circle is better by more than {small(gain)} in "
         f"{sum(g['count'] for g in gains):,} postures",
-        "srs-ik reproduce lr-arms, arm-sphere",
+        "srs-ik reproduce lr-arms arm-sphere --out DIR",
     )
 
 
@@ -153,7 +153,7 @@ def grasps(figures: dict[str, Any]) -> list[Row]:
     middle = (EXTENSIONS >= 0.35) & (EXTENSIONS <= 0.7)
     means = ", ".join(f"{grasp} {mean:.2f}" for grasp, mean in compared["geometric_mean"].items())
     inside, outside = lowest(C, middle), lowest(C, ~middle)
-    command = "srs-ik reproduce c-grasp"
+    command = "srs-ik reproduce c-grasp --out DIR"
     return [
         Row(
             "C is governed by how far the arm reaches out",
@@ -207,7 +207,7 @@ def singular(straight: dict[str, Any]) -> Row:
         f"{small(least['N'])} with N- and {small(least['F'])} with F-grasp: the tip still moves in all "
         f"directions. Its C is the higher one, though: {C['V']:.3f} against {C['N']:.0e}; so aligned, the arm bears "
         "the force without any torque",
-        "srs-ik reproduce c-grasp",
+        "srs-ik reproduce c-grasp --out DIR",
     )
 
 
@@ -221,7 +221,7 @@ def walked(snapshots: list[dict[str, Any]]) -> Row:
         f"All snapshots are solved ({reached} of {len(snapshots)}, to {error:.0e} m and rad), the straight ones too. "
         f"But with the toes at the same place C is lowest with V-grasp in {first.count('V')}, N-grasp in "
         f"{first.count('N')}, F-grasp in {first.count('F')} of them",
-        "srs-ik reproduce walking",
+        "srs-ik reproduce walking --out DIR",
     )
 
 

@@ -20,6 +20,7 @@ from srs_ik.paper.experiments.lr_arms import lr_arms
 from srs_ik.paper.experiments.measure import angle_between, posture_figures, printed_angle_between
 from srs_ik.paper.experiments.setting import SEED, ball, directions, task_directions
 from srs_ik.paper.experiments.walking import SNAPSHOTS, walking
+from srs_ik.system.arrays import plain
 
 FIVE = ("elbow_m", "wrist_m", "hand_m", "grasp_rad", "pronosupination_rad")
 
@@ -248,6 +249,29 @@ def test_every_experiment_leaves_its_files(limb, name, tmp_path):
     assert answer["figures"]
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
+
+
+def test_several_experiments_are_named_at_once(tmp_path):
+    pytest.importorskip("matplotlib")
+    done = run("reproduce", "walking", "c-grasp", "--out", str(tmp_path))
+    assert done.exit_code == 0
+    assert {path.stem for path in tmp_path.iterdir()} == {"walking", "c-grasp"}
+    assert {"leg_angle_deg", "force_angle_deg"} <= json.loads((tmp_path / "walking.json").read_text())["figures"][
+        "snapshots"
+    ][0].keys()
+    assert run("reproduce", "walking", "control", "--out", str(tmp_path)).exit_code == 2
+
+
+@pytest.mark.parametrize("name", ["lr-arms", "arm-sphere", "ik-accuracy"])
+def test_tasks_of_an_experiment_are_those_of_a_seed(limb, name, tmp_path):
+    drawn = [
+        json.dumps(
+            plain({k: v for k, v in EXPERIMENTS[name](limb, quiet, 12, seed).figures.items() if "micro" not in k})
+        )
+        for seed in (SEED, SEED, 1)
+    ]
+    assert drawn[0] == drawn[1] != drawn[2]
+    assert files.report(name, limb, EXPERIMENTS[name](limb, quiet, 12, 7))["seed"] == 7
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

@@ -705,3 +705,13 @@ def test_usd_is_refused_by_its_name(content, tmp_path):
     file.write_bytes(content)
     with pytest.raises(InvalidRobot, match="USD, which is not read: URDF, xacro and MJCF are"):
         load(file)
+
+
+def test_limits_of_a_file_for_all_joints_of_a_robot_are_taken_for_those_of_the_arm():
+    """As a joint_limits.yaml of MoveIt has them, with the other arm and the trunk."""
+    every = {f"{side}j{k}": {"velocity": 0.5 * k} for side in ("left_", "right_") for k in range(1, 8)}
+    arm = load(bimanual(), limb="left", limits={**every, "root_torso": {"max_velocity": 0.1}})
+    assert arm.velocity_limit.tolist() == [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5]
+    for limits in ({**every, "lefty_j1": {"velocity": 1.0}}, {"root_torso": {"velocity": 1.0}}):
+        with pytest.raises(InvalidRobot, match=r"limits are given for '(lefty_j1|root_torso)'"):
+            load(bimanual(), limb="left", limits=limits)

@@ -234,7 +234,7 @@ def test_another_configuration_is_taken_only_when_allowed():
         ({"dt": 1e300}, InvalidConfiguration, "100 s at most"),
         ({"dt": 1e-300}, InvalidConfiguration, "1e-06 s at least"),
         ({"smoothing": -1.0}, InvalidConfiguration, "smoothing must be a number of seconds from 0 on, or None"),
-        ({"elbow": "best"}, InvalidTask, "there is no objective 'best'"),
+        ({"elbow": "best"}, InvalidTask, "elbow must be .*, not 'best'"),
         ({"elbow": np.inf}, InvalidConfiguration, "arm angle must be a finite"),
         ({"elbow": np.zeros((2, 7))}, InvalidConfiguration, 'elbow must be "keep", .*, not an array of shape'),
         ({"elbow": np.sum}, InvalidConfiguration, 'elbow must be "keep", .*, a built-in Objective'),

@@ -6,6 +6,9 @@ import pinocchio as pin
 import pytest
 from tracked import velocities
 
+import srs_ik
+from srs_ik import InvalidTask
+
 DT = 0.002
 SLOWER = 0.005
 
@@ -147,3 +150,10 @@ def test_at_rest_the_elbow_goes_on_as_long_as_a_small_step_gains(name, q0):
         return (np.minimum(q - arm.lower, arm.upper - q) / (0.5 * (arm.upper - arm.lower))).min()
 
     assert max(climbed(name, steps[-1].q, T, side, margin) for side in (1.0, -1.0)) < 0.01
+
+
+def test_a_misspelt_policy_is_told_with_all_there_are():
+    with pytest.raises(
+        InvalidTask, match=r'^elbow must be "keep", an arm angle.*, not \'Keep\' \(did you mean \'keep\'\?\)$'
+    ):
+        srs_ik.load("iiwa14").tracker(np.full(7, 0.3), 0.004, elbow="Keep")

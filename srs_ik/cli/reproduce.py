@@ -39,12 +39,13 @@ class Experiment(StrEnum):
 
 @choosing
 def reproduce(
-    experiment: Annotated[
-        Experiment,
+    experiments: Annotated[
+        list[Experiment],
         typer.Argument(
+            metavar="EXPERIMENT...",
             help="Left and right arms at one target; targets in a sphere; errors of the inverse kinematics; C against "
-            "extension and grasp; a walking leg; or all of these five. And control: torque control in simulation, ten "
-            "experiments (extra 'sim').",
+            "extension and grasp; a walking leg; or all of these five. Several may be named. And control: torque "
+            "control in simulation, ten experiments (extra 'sim').",
             show_default=False,
         ),
     ],
@@ -82,16 +83,16 @@ def reproduce(
     from srs_ik.loading import load
     from srs_ik.paper.experiments.files import write
 
-    experiments = _experiments(experiment, short)
+    chosen_ones = _experiments(experiments, short)
     arm = load(
-        robot or (CONTROLLED_ARM if experiment is Experiment.control else PAPERS_LIMB),
+        robot or (CONTROLLED_ARM if Experiment.control in experiments else PAPERS_LIMB),
         **chosen,
         hand=None if axes is None else [axes[:3], axes[3:]],
     )
     out.mkdir(parents=True, exist_ok=True)
     # Where nobody looks, a bar would leave an empty line.
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
-        for name, run in experiments.items():
+        for name, run in chosen_ones.items():
             # Drawing takes about as long as computing.
             task = bar.add_task(name, total=2.0)
             outcome = run(arm, partial(_advance, bar, task))
@@ -100,13 +101,16 @@ def reproduce(
             bar.update(task, completed=2.0)
 
 
-def _experiments(experiment: Experiment, short: bool) -> dict[str, Callable[[Arm, Callable[[float], None]], Outcome]]:
+def _experiments(named: list[Experiment], short: bool) -> dict[str, Callable[[Arm, Callable[[float], None]], Outcome]]:
     """The experiments to run, by name, each a function of an arm and a progress.
 
     Raises:
         MissingExtra: MuJoCo is not installed, and control is chosen.
+        WrongInput: control is named with others, whose arm is another one.
     """
-    if experiment is Experiment.control:
+    if Experiment.control in named:
+        if len(named) > 1:
+            raise WrongInput("control is named alone: it takes another arm than the rest")
         from srs_ik.paper.experiments.control import CONTROL
         from srs_ik.sim.model import import_mujoco
 
@@ -116,7 +120,7 @@ def _experiments(experiment: Experiment, short: bool) -> dict[str, Callable[[Arm
 
     if short:
         raise WrongInput("--short is for control alone")
-    return dict(EXPERIMENTS) if experiment is Experiment.all else {experiment.value: EXPERIMENTS[experiment.value]}
+    return {name: run for name, run in EXPERIMENTS.items() if Experiment.all in named or name in named}
 
 
 def _advance(bar: Progress, task: TaskID, share: float) -> None:

@@ -72,7 +72,7 @@ def load(
             second is taken perpendicular to the first. By default those of the built-in robot.
         limb: which of several limbs: "left", "right", or a part of one of its names; with `srdf`, a group.
         limits: limits that are not as described: for each joint in question those of "lower", "upper" (rad), "velocity"
-            (rad/s) and "effort" (N m) that change; infinite for none.
+            (rad/s) and "effort" (N m) that change; infinite for none. Those for other joints of the robot are left out.
         locked: where other joints of the robot stand, rad or m, such as ``{"lift": 0.3}``; those that are not named are
             at zero. They count where they lie between base and tip.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
@@ -112,7 +112,8 @@ def load(
     _refuse_followers(description, chain, locked or {})
     described = chain
     for changed in (description.limits, limits):
-        chain = changes.within_limits(chain, changed) if changed is not None else chain
+        others = set(description.robot.model.names) - set(chain.joint_names)
+        chain = changes.within_limits(chain, changed, others) if changed is not None else chain
     reference = asked_reference if asked_reference is not None else _meant_reference(description, chain)
     axes = asked_hand if asked_hand is not None else _meant_hand(description, chain)
     chain, reference, axes = _furnished(description, chain, reference, axes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -93,7 +93,7 @@ def with_load(chain: Chain, load: Any) -> Chain:
     return replace(chain, model=model, load=chain.load + load.mass)
 
 
-def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Chain:
+def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]], others: Collection[str] = ()) -> Chain:
     """The chain with other limits; infinite ones are none.
 
     Args:
@@ -101,6 +101,8 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
         limits: for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s) and "effort" (N m) that
             change; or as MoveIt's joint_limits.yaml has them ("max_velocity" with "has_velocity_limits" ...), whose
             accelerations and jerks are left out.
+        others: other joints of the robot. Limits for them are left out beside those for joints of the chain: a file has
+            them for both arms, and for grippers.
 
     Raises:
         InvalidRobot: limits are no mapping of mappings, a joint or limit of that name does not exist, a limit is no
@@ -109,7 +111,10 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
     arrays: dict[str, Any] = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
     if not isinstance(limits, Mapping) or not all(isinstance(changes, Mapping) for changes in limits.values()):
         raise InvalidRobot(f"limits are given as {{joint: {{limit: figure}}}}, not as {quoted(limits)}")
+    own = not set(chain.joint_names).isdisjoint(limits)
     for joint, changes in limits.items():
+        if own and joint in others:
+            continue
         if joint not in chain.joint_names:
             hint = did_you_mean(joint, chain.joint_names) if isinstance(joint, str) else ""
             raise InvalidRobot(

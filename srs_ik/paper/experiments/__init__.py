@@ -26,4 +26,6 @@ EXPERIMENTS: dict[str, Callable[[Arm, Progress], Outcome]] = {
     "c-grasp": c_grasp,
     "walking": walking,
 }
-"""The experiments by name, in the order of the paper."""
+"""The experiments by name, in the order of the paper: functions of an arm and of a function that is told which share is
+done. "lr-arms", "arm-sphere" and "ik-accuracy" take `count=` and `seed=`, too. The outcome has `figures` (a mapping),
+`draw()`, which makes the picture, and `seed`."""

@@ -23,12 +23,12 @@ RADIUS = 1.2
 """Of the sphere, in reaches."""
 
 
-def arm_sphere(arm: Arm, progress: Progress, count: int = 1000) -> Outcome:
+def arm_sphere(arm: Arm, progress: Progress, count: int = 1000, seed: int = SEED) -> Outcome:
     """Postures of both arms for random targets, velocities, forces across them, and grasp directions.
 
     The paper's second experiment, with the time of a posture. Beside it, the same targets without a grasp direction.
     """
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(seed)
     x_d = arm.limb.shoulder + ball(rng, count, RADIUS * reach(arm))
     v, f = task_directions(rng, count)
     g = directions(rng, count)
@@ -49,7 +49,7 @@ def arm_sphere(arm: Arm, progress: Progress, count: int = 1000) -> Outcome:
     figures["microseconds_a_posture"] = microseconds(arm.posture, one, held, count)
     progress(1.0)
     from_shoulder = np.linalg.norm(x_d - arm.limb.shoulder, axis=1)
-    return Outcome(figures, lambda: _draw(postures, x_d, from_shoulder, reach(arm)))
+    return Outcome(figures, lambda: _draw(postures, x_d, from_shoulder, reach(arm)), seed)
 
 
 def _draw(postures: dict[Any, Posture], x_d: Array, from_shoulder: Array, farthest: float) -> Figure:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from srs_ik.kernels.native import at_work
-from srs_ik.paper.experiments.setting import SEED, Outcome
+from srs_ik.paper.experiments.setting import Outcome
 from srs_ik.system.arrays import plain
 from srs_ik.system.writing import write_whole
 
@@ -53,7 +53,7 @@ def report(name: str, arm: Arm, outcome: Outcome) -> dict[str, Any]:
         "tip": arm.tip,
         "limb": {"kind": limb.kind, "wrist": limb.wrist_kind},
         "lengths_m": {"upper_arm": limb.upper_arm, "forearm": limb.forearm, "hand": limb.hand},
-        "seed": SEED,
+        "seed": outcome.seed,
         "versions": {
             "srs_ik": __version__,
             "python": platform.python_version(),

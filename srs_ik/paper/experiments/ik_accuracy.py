@@ -33,7 +33,7 @@ _FLOOR = 1e-18
 """Where errors of exactly zero are drawn."""
 
 
-def ik_accuracy(arm: Arm, progress: Progress, count: int = 1000) -> Outcome:
+def ik_accuracy(arm: Arm, progress: Progress, count: int = 1000, seed: int = SEED) -> Outcome:
     """Errors of elbow, wrist, hand, grasp and pronosupination between the posture and the joint angles for it.
 
     The paper's third experiment: g = v and phi = f, without joint limits. The paper does not say where its targets
@@ -49,7 +49,7 @@ def ik_accuracy(arm: Arm, progress: Progress, count: int = 1000) -> Outcome:
     Raises:
         InvalidTask: how the hand of the arm lies in the tip frame is not known.
     """
-    x_d, v, f = reached_tasks(arm, count)
+    x_d, v, f = reached_tasks(arm, count, seed)
     task = Task(x_d, v, f, v, f)
     figures: dict[str, Any] = {}
     errors: dict[str, dict[str, Array]] = {}
@@ -64,12 +64,12 @@ def ik_accuracy(arm: Arm, progress: Progress, count: int = 1000) -> Outcome:
         lambda given: arm.solve_task(given, respect_limits=False), one, task, len(x_d)
     )
     progress(1.0)
-    return Outcome(figures, lambda: _draw(errors))
+    return Outcome(figures, lambda: _draw(errors), seed)
 
 
-def reached_tasks(arm: Arm, count: int) -> tuple[Array, Array, Array]:
+def reached_tasks(arm: Arm, count: int, seed: int = SEED) -> tuple[Array, Array, Array]:
     """Targets (count, 3) that both arms reach with g = v, metres, velocities and forces across them."""
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(seed)
     kept: list[Array] = []
     while sum(map(len, kept)) < count:
         x_d = arm.limb.shoulder + ball(rng, 2 * count, reach(arm))

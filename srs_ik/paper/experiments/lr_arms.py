@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 _GRASPS = {"grasp": "grasp g = (1, 0, 0)", "no_grasp": "no grasp"}
 
 
-def lr_arms(arm: Arm, progress: Progress, count: int = 500) -> Outcome:
+def lr_arms(arm: Arm, progress: Progress, count: int = 500, seed: int = SEED) -> Outcome:
     """Postures of both arms for random velocities at x_d = (0.5, 0, 0) m, or as far out on another arm.
 
     The paper's first experiment. Its velocities come from a uniform random function in MATLAB; these are uniform on the
     sphere. The force is across the velocity.
     """
-    v, f = task_directions(np.random.default_rng(SEED), count)
+    v, f = task_directions(np.random.default_rng(seed), count)
     x_d = arm.limb.shoulder + EXTENSION * reach(arm) * np.array([1.0, 0.0, 0.0])
     target = np.broadcast_to(x_d, (count, 3))
     tasks = {"grasp": Task(x_d, v, f, [1.0, 0.0, 0.0]), "no_grasp": Task(x_d, v, f)}
@@ -41,7 +41,7 @@ def lr_arms(arm: Arm, progress: Progress, count: int = 500) -> Outcome:
         figures[name]["two_elbows_opposite_m"] = float(_opposite(postures["left"], postures["right"], held).max())
         lines[name] = {side: limb_lines(postures[side]) for side in BOTH}
         progress(0.5 * (i + 1))
-    return Outcome(figures, lambda: _draw(lines))
+    return Outcome(figures, lambda: _draw(lines), seed)
 
 
 def _opposite(left: Posture, right: Posture, held: bool) -> Array:

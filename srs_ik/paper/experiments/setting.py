@@ -19,7 +19,7 @@ Progress = Callable[[float], None]
 """Is told the share of an experiment that is done, from 0 to 1."""
 
 SEED = 0
-"""Of every random draw."""
+"""Of every random draw, if no other is given."""
 
 BOTH: tuple[Side, Side] = ("left", "right")
 
@@ -32,6 +32,7 @@ class Outcome(NamedTuple):
 
     figures: dict[str, Any]  # numbers, by name; arrays where a figure draws them
     draw: Callable[[], Figure]  # makes the picture; needs Matplotlib
+    seed: int = SEED  # of what was drawn at random
 
 
 def reach(arm: Arm) -> float:

@@ -26,9 +26,9 @@ class Snapshot(NamedTuple):
 
     name: str
     phase: float  # share of the cycle that has passed since toe-off
-    leg_angle: float  # of the ankle, forward from straight down, degrees
+    leg_angle_deg: float  # of the ankle, forward from straight down
     extension: float  # distance from hip to ankle over that of the straight leg
-    force_angle: float  # of the direction in which the foot bears, backward from straight up, degrees
+    force_angle_deg: float  # of the direction in which the foot bears, backward from straight up
 
 
 SNAPSHOTS = (
@@ -60,7 +60,7 @@ def walking(arm: Arm, progress: Progress) -> Outcome:
     figures: dict[str, Any] = {"snapshots": []}
     lines = []
     for i, snapshot in enumerate(SNAPSHOTS):
-        tie: Tie = "upper" if snapshot.leg_angle >= 0.0 else "lower"
+        tie: Tie = "upper" if snapshot.leg_angle_deg >= 0.0 else "lower"
         solved = {grasp: _solve(arm, grasp, toe[i], v[i], f[i], tie) for grasp in GRASPS}
         figures["snapshots"].append(
             {
@@ -83,7 +83,7 @@ def walking(arm: Arm, progress: Progress) -> Outcome:
 
 def _directions_and_toes(arm: Arm) -> tuple[Array, Array, Array]:
     """Velocity and force directions (6, 3), and where the toes are (6, 3), metres."""
-    leg, lean = np.deg2rad([[s.leg_angle, s.force_angle] for s in SNAPSHOTS]).T
+    leg, lean = np.deg2rad([[s.leg_angle_deg, s.force_angle_deg] for s in SNAPSHOTS]).T
     zero = np.zeros_like(leg)
     straight = np.array([s.extension for s in SNAPSHOTS]) * (arm.limb.upper_arm + arm.limb.forearm)
     ankle = arm.limb.shoulder + straight[:, None] * np.stack([np.sin(leg), zero, -np.cos(leg)], axis=1)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.path.problem import JUST_ABOVE, Problem, Wall, Way
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 LOOKED_AT = 24
 """So many postures before a wall are asked at most what stops them."""
+
+FAR = 0.1
+"""Poses that are farther apart, m, are waypoints rather than a path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +78,20 @@ def breaks_of(problem: Problem, way: Way | None, rows: Array, steps: Array) -> l
             earliest, latest, why = windows[inner.index(i)]
             where = f"between poses {earliest - 1} and {latest}" if earliest < latest else f"before pose {latest}"
             message += f" A break {where} cannot be avoided: at pose {latest}, {why}."
+        message += _far_apart(problem, i, float(longest[joint]))
         breaks.append(PathBreak(i, jump, name, message, earliest, latest))
     return breaks
+
+
+def _far_apart(problem: Problem, i: int, longest: float) -> str:
+    """That two poses in a row are far apart for the steps of a path, as a sentence; empty where they are not."""
+    before, here = problem.T[i - 1], problem.T[i]
+    distance = float(np.linalg.norm(here[:3, 3] - before[:3, 3]))
+    turn = float(np.linalg.norm(pin.log3(before[:3, :3].T @ here[:3, :3])))
+    if distance < FAR and turn < longest:
+        return ""
+    apart = f"Poses {i - 1} and {i} are {distance:.2f} m and {turn:.2f} rad apart"
+    return f" {apart}, and a joint step above longest_step, {longest:g} rad, is a break: poses between may help."
 
 
 def _windows(problem: Problem, way: Way, count: int) -> list[tuple[int, int, str]]:

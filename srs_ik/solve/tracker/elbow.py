@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.errors import InvalidTask
+from srs_ik.errors import InvalidTask, did_you_mean, quoted
 from srs_ik.inputs.elbow import as_elbow
 from srs_ik.inputs.task import Task
 from srs_ik.kernels.entries.kinematics import configuration_arm_angle
@@ -17,7 +17,7 @@ from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.collision import WIDE_CLEARANCE
 from srs_ik.kernels.layout.objectives import PARAMS
 from srs_ik.solve.intervals import intervals
-from srs_ik.solve.objectives import Objective
+from srs_ik.solve.objectives import CLEARANCE, OBJECTIVES, Objective
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
@@ -64,6 +64,9 @@ def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Cho
     if isinstance(elbow, Task):
         elbow = _ratio(elbow)
     if isinstance(elbow, str):
+        if elbow not in (*OBJECTIVES, CLEARANCE):
+            hint = did_you_mean(elbow, ("keep", *OBJECTIVES))
+            raise InvalidTask(f"elbow must be {CHOICES}, not {quoted(elbow)}{hint}")
         elbow = Objective(elbow)
     if isinstance(elbow, Objective):
         if elbow.kind is None or elbow.second >= 0:

@@ -73,7 +73,7 @@ def _plant(limb: Arm) -> Plant:
 def _walk(limb: Arm, seconds: float) -> tuple[Record, Array, Array]:
     """The motion, and where toes and knee ought to be at its samples."""
     phases = [*(s.phase for s in SNAPSHOTS), 1.0]
-    table = np.array([[s.leg_angle, s.extension, s.force_angle] for s in SNAPSHOTS])
+    table = np.array([[s.leg_angle_deg, s.extension, s.force_angle_deg] for s in SNAPSHOTS])
     cycle = CubicSpline(phases, np.vstack([table, table[:1]]), bc_type="periodic")
     longest = limb.limb.upper_arm + limb.limb.forearm
 
