@@ -5,12 +5,15 @@ import re
 import runpy
 import subprocess
 import sys
+import tempfile
 import tomllib
 from importlib import metadata
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from build import ProjectBuilder
+from build.env import DefaultIsolatedEnv
 
 import srs_ik
 
@@ -114,3 +117,16 @@ def test_a_wheel_is_compiled_where_this_checkout_is_installed_as_editable(monkey
     done = subprocess.run([*asked.pop("args")[:-1], "--help"], **asked, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "Compile all entries" in done.stdout
+
+
+@pytest.mark.slow
+def test_what_an_installer_reads_of_a_wheel_without_compiled_kernels_asks_for_numba(monkeypatch):
+    """An installer such as uv asks before it builds; what Hatchling would say then is too little."""
+    monkeypatch.setenv("SRS_IK_BUILD", "pure")
+    monkeypatch.delenv("PIP_BUILD_TRACKER", raising=False)
+    with tempfile.TemporaryDirectory() as folder, DefaultIsolatedEnv() as environment:
+        builder = ProjectBuilder.from_isolated_env(environment, ROOT)
+        environment.install(builder.build_system_requires)
+        environment.install(builder.get_requires_for_build("wheel"))
+        told = (Path(builder.metadata_path(folder)) / "METADATA").read_text()
+    assert re.search(r"(?m)^Requires-Dist: numba[<>=,. \d]*$", told)
