@@ -15,7 +15,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, PHASE, SHIFT, SHOULDER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, UNSURE, branch_of, elbow_starts, side_posture
-from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
+from srs_ik.kernels.limb.goal import NO_SEED, TIE, cost, turned
 from srs_ik.kernels.limb.in_line import ROUNDED, closest, may_line_up, toward_of
 from srs_ik.kernels.limb.postures_eight import eight_branches, farthest_turns, join_parts
 from srs_ik.kernels.limb.surface import split, width_for_curves
@@ -160,12 +160,12 @@ def put_around(P, target, psi, wanted, goal, each, A):
 
 @kernel
 def best_row(rows, first, wanted):
-    """The branch of least cost among eight rows, or the wanted one (0 to 7)."""
+    """The branch of least cost among eight rows, of equal ones the lowest, or the wanted one (0 to 7)."""
     if wanted >= 0:
         return wanted
     best = 0
     for branch in range(1, 8):
-        if rows[first + branch, ROW_COST] < rows[first + best, ROW_COST]:
+        if rows[first + branch, ROW_COST] < rows[first + best, ROW_COST] - TIE:
             best = branch
     return best
 

@@ -21,7 +21,7 @@ from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, SIZE, UPPER, WRIST
 from srs_ik.kernels.layout.search import CLIMB, STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, TIE, elbow_part
 from srs_ik.kernels.limb.limits import set_joint_limits, set_limit
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -33,6 +33,9 @@ GAIN_OUTSIDE = 1e-9
 
 ROUNDS = 64
 """Most times that the limits are moved; one or two are usual."""
+
+ROUGHLY = 1e-6
+"""What a glance tells is known so well."""
 
 FINENESS = 1e-9
 """A line search ends at this part of its interval ..."""
@@ -276,7 +279,7 @@ def best_glance(P, place_, sides, branch, respect):
         at, value = glance(P, sides[e], signs)
         total = max(value, least_of_elbow(P, sides[e], False))
         # Of two that the elbow makes equal, the one with more room for the other joints.
-        if total < lowest or (total == lowest and value < others):
+        if total < lowest - TIE or (total <= lowest + TIE and value < others - ROUGHLY):
             elbow, psi, lowest, others = e, at, total, value
     side = sides[elbow]
     q, b, value = side_posture(P, side, psi, signs[0], signs[1], False, NO_SEED, respect)

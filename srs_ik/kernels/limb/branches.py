@@ -10,7 +10,7 @@ from srs_ik.kernels.algebra.pointers import copy
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.limb import A1_A2, A2_A3, LOWER, PHASE, SHIFT, SHOULDER, SIZE, STRAIGHT, UPPER, WRIST
-from srs_ik.kernels.limb.goal import NO_SEED, elbow_part, join, part
+from srs_ik.kernels.limb.goal import NO_SEED, TIE, elbow_part, join, part
 from srs_ik.kernels.limb.limits import TURN, set_joint_limits, set_limit
 from srs_ik.kernels.limb.postures_eight import farthest_branch
 from srs_ik.kernels.limb.spherical import angles, columns_at, middle_angle, mirrored
@@ -152,7 +152,7 @@ def better_half(P, k, first, v, y, wanted, seeded, seed, respect):
     other, cost_other = part(P, first, below, seeded, seed3, respect)
     if not reached:
         return q, 0, NO_BRANCH
-    if cost_other < cost:
+    if cost_other < cost - (0.0 if seeded else TIE):
         return other, 1, cost_other
     return q, 0, cost
 
@@ -220,7 +220,7 @@ def best_branch(P, place_, psi, branch, seeded, seed, respect):
         return q, branch, lowest
     q, best, lowest = posture_at(P, place_, 0, c, s, -1, -1, seeded, seed, respect, math.inf)
     other, b, value = posture_at(P, place_, 1, c, s, -1, -1, seeded, seed, respect, lowest)
-    if value < lowest:
+    if value < lowest - (0.0 if seeded else TIE):
         return other, 4 + b, value
     return q, best, lowest
 

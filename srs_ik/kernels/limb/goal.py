@@ -14,6 +14,9 @@ NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 OUTSIDE = 1e6
 """Cost of a part outside its limits, plus the largest violation in rad."""
 
+TIE = 1e-9
+"""Margins that differ by less, of half a range, are equal; rounding must not choose: of equal ones the lower branch."""
+
 UNMET = 1.5 * OUTSIDE
 """Postures that meet their pose cost less, however far outside their limits; those that do not, more."""
 

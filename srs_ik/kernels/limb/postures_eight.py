@@ -30,7 +30,7 @@ from srs_ik.kernels.layout.limb import (
     UPPER,
     WRIST,
 )
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, TIE
 from srs_ik.kernels.limb.limits import PER_TURN, TURN
 from srs_ik.kernels.limb.spherical import eight_middles, joint_at, joints_of, middles_of, sines, sines_of
 from srs_ik.kernels.limb.triangle import elbow_at, frame_at, shoulder_columns, wrist_columns
@@ -202,12 +202,14 @@ def farthest_branch(P, place_, psi, branch, respect):
         return NO_SEED, -1, 0.0
     shoulder, _, wrist = parts
     costs = join_parts(parts)
-    best, lowest = branch, math.inf
+    best, lowest, others = branch, math.inf, math.inf
     for first in range(0, 8 if branch < 0 else 0, 4):
-        here = first + (2 if one_of(shoulder, first + 2) < one_of(shoulder, first) else 0)
-        here += 1 if one_of(wrist, first + 1) < one_of(wrist, first) else 0
-        if one_of(costs, here) < lowest:
-            best, lowest = here, one_of(costs, here)
+        here = first + (2 if one_of(shoulder, first + 2) < one_of(shoulder, first) - TIE else 0)
+        here += 1 if one_of(wrist, first + 1) < one_of(wrist, first) - TIE else 0
+        value, rest = one_of(costs, here), max(one_of(shoulder, here), one_of(wrist, here))
+        # Of two that the elbow makes equal, the one with more room for the other joints.
+        if value < lowest - TIE or (value <= lowest + TIE and rest < others - TIE):
+            best, lowest, others = here, value, rest
     a, b, c, d, e, f, g = q
     posture = (
         one_of(a, best),

@@ -14,13 +14,12 @@ from srs_ik.kernels.exact.intervals import joint_pieces
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
 from srs_ik.kernels.layout.limb import A1, A3, ACROSS_3, AXES, INVERSE_HALF_RANGE, MIDDLE, SHOULDER, WRIST
-from srs_ik.kernels.limb.branches import anchor
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
+from srs_ik.kernels.limb.branches import anchor, better_half
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, TIE, elbow_part
 from srs_ik.kernels.limb.limits import turn_to_middle, turn_to_seed, violation
 from srs_ik.kernels.limb.spherical import angles, columns_at, middle_angle
 from srs_ik.kernels.limb.triangle import elbow_at, elbow_side, frame_at, shoulder_columns, side_frames, turned_frame
 from srs_ik.kernels.pose.elbow import SMALLEST_NUDGE, nearest_angle
-from srs_ik.kernels.task.branch import TIE, steady_half
 from srs_ik.kernels.task.directions import MAX_CROSSINGS, wrist_crossings
 
 STEP = 2.0 * math.pi / 48.0
@@ -171,7 +170,7 @@ def best_roll_at(P, place_, psi, axis, seeded, seed, respect):
         base, arm, c4, s4 = side_frames(P, place_, elbow, math.cos(psi), math.sin(psi))
         _, cost_e = elbow_part(P, math.atan2(s4, c4), seeded, seed[3], respect)
         v, y = shoulder_columns(P, base, arm)
-        _, shoulder, cost_s = steady_half(P, SHOULDER, 0, v, y, seeded, seed, respect)
+        _, shoulder, cost_s = better_half(P, SHOULDER, 0, v, y, -1, seeded, seed, respect)
         if max(cost_e, cost_s) >= OUTSIDE:
             continue
         motion = roll_motion(P, place_, elbow, psi, axis)

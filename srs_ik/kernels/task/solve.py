@@ -29,7 +29,6 @@ from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.elbow import SMALLEST_NUDGE, take_nearest
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.search import search_exact
-from srs_ik.kernels.task.branch import steady_branch
 from srs_ik.kernels.task.near_posture import settle_posture
 from srs_ik.kernels.task.posture import (
     AT_SHOULDER,
@@ -111,8 +110,6 @@ def in_branch(P, target, psi, branch, goal, J, A):
     Where a near limb cannot reach, nothing closes on its true chain: there it lies as its nearest exact limb would.
     """
     place_, respect = target.place, goal.respect
-    if P[IS_NEAR] == 0.0 and branch < 0 and not goal.seeded:
-        return steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
     if is_beyond(P, place_):
         return out_of_reach(P, target, psi, branch, respect)
     return solve_at_angle(P, target, psi, branch, goal, J, A)
@@ -225,10 +222,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
     R = times_transposed(tip_axes(found[5], phi), hand_axes)
     place_ = task_place(P, R, p)
     psi = planned_arm_angle(place_[0], place_[1], found[3])
-    if branch >= 0 or seeded:
-        start, _, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
-    else:
-        start, _, _ = steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
+    start, _, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
     q, lowest, lost, exact = start, NO_BRANCH, 0.0, found
     # From the closed form; next to a singularity, where that may lead astray, from the seed too; then from any posture.
     for attempt in range(3):
