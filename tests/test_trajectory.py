@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 
 import srs_ik
 from srs_ik import InvalidConfiguration
+from srs_ik.solve.path.timing import passing_times
 from srs_ik.solve.path.trajectory import Trajectory
 
 Q = np.array([0.2, 0.6, 0.1, -1.2, 0.2, 0.8, 0.1])
@@ -170,3 +171,36 @@ def test_times_of_a_path_know_of_its_rests(name):
     # Two halves from rest to rest take root two times as long where accelerations bind, and no stretching comes on top.
     assert once < path.times[-1] < 1.6 * once
     assert path.trajectory().stretch < 1.25
+
+
+def test_each_part_between_two_rests_is_as_fast_as_the_limits_let_it():
+    limit = 2.0 * np.ones(7)
+    angles = np.linspace(0.0, 1.0, 30)[:, None] * np.linspace(0.2, 1.0, 7)
+    # A grip for five poses, whose postures differ by rounding; before it a line, behind it another one.
+    q = np.concatenate([angles, angles[-1] + 1e-9 * np.arange(1, 5)[:, None] * np.ones(7), angles[::-1]])
+    stands = np.zeros(len(q) - 1, dtype=bool)
+    stands[29:34] = True
+    times = passing_times(np.diff(q, axis=0), 2.0 * np.ones(7), limit, stands)
+    free = (np.full(7, -np.inf), np.full(7, np.inf))
+    motion = Trajectory(q, times, stands, free, (2.0 * np.ones(7), limit))
+    alone = Trajectory(angles, times[:30], stands[:29], free, (2.0 * np.ones(7), limit))
+    parts = np.diff(motion.passes[[0, 29, 34, -1]])
+    # The same line there and back, and nothing of it in the 1.73 of the steps from rest to rest.
+    assert parts[[0, 2]] == pytest.approx(alone.duration * np.ones(2), rel=1e-6)
+    assert parts[1] == pytest.approx(np.sqrt(3.0) * (times[34] - times[29]), rel=1e-6)
+    assert motion.stretch == pytest.approx(motion.duration / times[-1], rel=1e-12)
+    assert motion.stretch < alone.stretch + 1e-3
+    _, _, v, a = dense(motion)
+    for part in (slice(0, 9000), slice(11001, None)):
+        assert max(np.abs(v[part]).max() / 2.0, np.abs(a[part]).max() / 2.0) == pytest.approx(1.0, abs=0.01)
+    assert (np.abs(a) <= limit * (1.0 + 1e-9)).all()
+
+
+def test_where_the_path_stands_for_a_time_that_is_given_it_stands_as_long():
+    arm = srs_ik.load("iiwa14")
+    there = line(arm, 30)
+    poses = np.concatenate([there, np.repeat(there[-1:], 20, axis=0)])
+    path = arm.solve_path(poses, known={0: Q}, dt=0.005)
+    motion = path.trajectory()
+    assert motion.stretch > 1.0
+    assert motion.passes[-1] - motion.passes[29] == pytest.approx(20 * 0.005, rel=1e-9)

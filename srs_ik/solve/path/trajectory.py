@@ -42,10 +42,10 @@ class Trajectory:
     and where the path has the same pose twice in a row, such as at a grip, all joints are at rest.
 
     Attributes:
-        passes: (N,) when it passes the postures of the path, s. These are the times that the path had, all
-            multiplied by `stretch`.
-        stretch: by what factor it is slower than the path's own times, so that limits of velocity, and of acceleration
-            where there are any, hold at all times and not only from posture to posture.
+        passes: (N,) when it passes the postures of the path, s. From rest to rest these are the times that the path
+            had, multiplied by one factor, so that limits of velocity, and of acceleration where there are any, hold at
+            all times and not only from posture to posture.
+        stretch: by what factor it is slower than the path's own times, from beginning to end.
         duration: when it comes to rest, s.
     """
 
@@ -57,25 +57,23 @@ class Trajectory:
         limits: tuple[Array, Array],
         most: tuple[Array, Array],
     ) -> None:
-        velocity, acceleration = most
         moves = np.append(True, np.diff(times) > APART * times[-1])
+        place = np.cumsum(moves) - 1
         own, angles = times[moves], q[moves]
-        rests = np.zeros(len(own), dtype=bool)
-        rests[(np.cumsum(moves) - 1)[np.append(stands, True) | np.append(True, stands)]] = True
         self._at_rest: Array | None = None
         if len(own) == 1:
             self._at_rest, self.stretch, self.passes, self.duration = q[0], 1.0, np.zeros(len(q)), 0.0
             return
-        curve = _from_rest_to_rest(own, angles, np.flatnonzero(rests))
-        if _leaves(curve, *limits):
-            slopes = PchipInterpolator(own, angles).derivative()(own)
-            slopes[rests] = 0.0
-            curve = CubicHermiteSpline(own, angles, slopes)
-        fast = (_largest_speed(curve) / velocity).max()
-        hard = (np.abs(_ends(curve, 2)).max(axis=(0, 1)) / acceleration).max()
-        self.stretch = max(1.0, float(fast), float(np.sqrt(hard)))
-        self.passes = times * self.stretch
-        self.duration = float(self.passes[-1])
+        rests = np.unique(place[np.append(stands, True) | np.append(True, stands)])
+        pieces = [slice(first, last + 1) for first, last in pairwise(rests)]
+        parts = [_from_rest_to_rest(own[piece], angles[piece], limits, most) for piece in pieces]
+        # What is added to times, so that those of parts that are not stretched stay as they are to the last bit.
+        late = np.concatenate([(factor - 1.0) * np.diff(curve.x) for curve, factor in parts])
+        x = own + np.append(0.0, np.cumsum(late))
+        curve = PPoly(np.concatenate([_slowed(*part) for part in parts], axis=1), x)
+        self.passes = x[place]
+        self.duration = float(x[-1])
+        self.stretch = self.duration / float(own[-1])
         self._curves = [curve, curve.derivative(), curve.derivative(2)]
 
     def sample(self, period: float) -> Samples:
@@ -96,8 +94,7 @@ class Trajectory:
         times: Array = step * np.arange(count, dtype=float)
         if self._at_rest is not None:
             return Samples(times, self._at_rest[None].copy(), np.zeros((1, 7)), np.zeros((1, 7)))
-        own = np.minimum(times, self.duration) / self.stretch
-        q, v, a = (curve(own) / self.stretch**order for order, curve in enumerate(self._curves))
+        q, v, a = (curve(np.minimum(times, self.duration)) for curve in self._curves)
         rest = times >= self.duration
         v[rest] = a[rest] = 0.0
         return Samples(times, q, v, a)
@@ -106,11 +103,24 @@ class Trajectory:
         return f"Trajectory({len(self.passes)} postures in {self.duration:.4g} s)"
 
 
-def _from_rest_to_rest(times: Array, q: Array, rests: NDArray[np.int64]) -> PPoly:
-    """Splines from each rest to the next one, in one curve."""
-    pieces = [slice(first, last + 1) for first, last in pairwise(rests)]
-    parts = [CubicSpline(times[piece], q[piece], bc_type="clamped").c for piece in pieces]
-    return PPoly(np.concatenate(parts, axis=1), times)
+def _from_rest_to_rest(
+    times: Array, q: Array, limits: tuple[Array, Array], most: tuple[Array, Array]
+) -> tuple[PPoly, float]:
+    """A curve through postures at their times, at rest at both ends, and how many times slower it keeps the limits."""
+    curve: PPoly = CubicSpline(times, q, bc_type="clamped")
+    if _leaves(curve, *limits):
+        slopes = PchipInterpolator(times, q).derivative()(times)
+        slopes[[0, -1]] = 0.0
+        curve = CubicHermiteSpline(times, q, slopes)
+    velocity, acceleration = most
+    fast = (_largest_speed(curve) / velocity).max()
+    hard = (np.abs(_ends(curve, 2)).max(axis=(0, 1)) / acceleration).max()
+    return curve, max(1.0, float(fast), float(np.sqrt(hard)))
+
+
+def _slowed(curve: PPoly, factor: float) -> Array:
+    """Coefficients (4, pieces, 7) of a cubic curve that takes so many times as long."""
+    return np.asarray(curve.c / factor ** np.arange(3.0, -1.0, -1.0)[:, None, None])
 
 
 def _ends(curve: PPoly, order: int) -> Array:
