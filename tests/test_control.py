@@ -1,11 +1,13 @@
 """Force profiles, laws and torques, against the equations, quadrature, Pinocchio and finite differences."""
 
 import time
+import warnings
 
 import arms
 import numpy as np
 import pinocchio as pin
 import pytest
+from oracles import random_angles
 from scipy.integrate import quad
 
 import srs_ik
@@ -334,14 +336,45 @@ def test_the_peak_is_the_largest_error_of_the_current_divergence():
 
 def test_brakes_act_beyond_their_speed_alone_and_take_energy_out():
     arm = arms.load("iiwa14")
-    c = TorqueController(arm, [], gravity=False, speeds=JointSpeeds(begin=2.0, damping=3.0, largest=4.0))
+    c = TorqueController(arm, [], gravity=False, speeds=JointSpeeds(2.0, 3.0, 4.0, rate=4000.0))
     for speed, torque in ((0.0, 0.0), (1.9, 0.0), (2.5, 1.5), (-2.5, -1.5), (1e5, 4.0)):
         assert c.torque(np.zeros(7), np.full(7, speed)) == pytest.approx(np.full(7, -torque))
         assert c.power <= 0.0
-    own = TorqueController(arm, [], gravity=False, speeds=True)
+    own = TorqueController(arm, [], gravity=False, speeds=JointSpeeds(rate=4000.0))
     tau = own.torque(np.zeros(7), arm.velocity_limit + 1.0)
     assert tau == pytest.approx(-0.05 * arm.effort_limit)
     assert np.all(own.torque(np.zeros(7), arm.velocity_limit) == 0.0)
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "openarm_left"))
+def test_usual_brakes_stay_below_what_a_period_allows(name):
+    arm, rng = arms.load(name), arms.generator(name)
+    arm = arm.with_limits(velocity=np.ones(7), effort=np.full(7, 200.0))
+    data = arm.model.createData()
+    for options, period in (({}, 1e-3), ({"rate": 250.0}, 4e-3)):
+        c = TorqueController(arm, [], gravity=False, speeds=JointSpeeds(**options))
+        damping = -c.torque(np.zeros(7), arm.velocity_limit + 1e-3) / 1e-3
+        used = np.zeros(7)
+        for _ in range(300):
+            q = random_angles(rng, arm.lower, arm.upper)
+            q[1:6:2] = rng.choice((0.0, 1.0), 3) * q[1:6:2]
+            M = pin.crba(arm.model, data, arm.configuration(q))
+            inverse = np.linalg.inv(np.triu(M) + np.triu(M, 1).T)
+            used = np.maximum(used, damping * period * np.diag(inverse))
+            # A step takes energy out as long as no eigenvalue is above 2.
+            assert np.linalg.eigvals(period * inverse * damping).real.max() < 1.8
+        assert used.max() < 0.8
+        assert used.min() > 0.001
+
+
+def test_brakes_that_drive_their_joint_get_a_warning():
+    arm = arms.load("iiwa14")
+    with pytest.warns(UserWarning, match=r"brake on joint 'iiwa_joint_7' may drive it.* 0\.455 ms, not 1: name"):
+        TorqueController(arm, [], speeds=JointSpeeds(damping=0.05 * arm.effort_limit))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        TorqueController(arm, [], speeds=JointSpeeds(damping=0.05 * arm.effort_limit, rate=4000.0))
+        TorqueController(arm, [], speeds=True)
 
 
 def bound(arm, q, axes):
@@ -441,6 +474,10 @@ def test_a_tick_takes_fifteen_microseconds_at_most():
         (lambda arm: JointSpeeds(begin=[1.0, 2.0]), "begin"),
         (lambda arm: TorqueController(arms.load("human_arm"), [], speeds=True), "limits on all joints"),
         (lambda arm: TorqueController(arms.load("made_near"), []), "masses"),
+        (
+            lambda arm: TorqueController(arms.load("made_near"), [], False, speeds=JointSpeeds(1.0, largest=1.0)),
+            "no inertias that tell it: name damping",
+        ),
         (lambda arm: TorqueController(arm, []).torque(np.full(7, np.nan), np.zeros(7)), "q"),
         (lambda arm: TorqueController(arm, []).torque(np.zeros(7), np.full(7, np.inf)), "speeds"),
         (lambda arm: TorqueController(arm, []).torque(np.zeros(6), np.zeros(7)), "7 joint angles"),

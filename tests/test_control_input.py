@@ -87,7 +87,7 @@ CALLS = {
     "JointLimits": (lambda: JointLimits, {"margin": 0.1, "profile": PROFILE, "law": "A", "damping": 0.0}, {}, {}),
     "JointSpeeds": (
         lambda: JointSpeeds,
-        {"begin": 1.0, "damping": 1.0, "largest": 1.0},
+        {"begin": 1.0, "damping": 1.0, "largest": 1.0, "rate": 1000.0},
         {},
         dict.fromkeys(("begin", "damping", "largest"), "None"),
     ),

@@ -2,6 +2,7 @@
 
 import re
 import time
+import warnings
 from pathlib import Path
 
 import arms
@@ -10,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import srs_ik
-from srs_ik.control import ForceProfile, FractalImpedance, TorqueController
+from srs_ik.control import ForceProfile, FractalImpedance, JointSpeeds, TorqueController
 from srs_ik.control.baselines import Gains, JointImpedance, LinearImpedance, OperationalSpace
 
 pytest.importorskip("mujoco", "3.14")
@@ -336,3 +337,28 @@ def test_baselines_take_the_short_way_round(make):
     turns = np.array([1, 0, -1, 0, 2, 0, -3])
     torque = baseline.torque(q, v)
     np.testing.assert_allclose(baseline.torque(q + 2.0 * np.pi * turns, v), torque, atol=1e-9)
+
+
+@pytest.mark.parametrize("rate", [4000.0, 1000.0])
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_usual_brakes_take_energy_out_of_every_joint(name, rate):
+    # The same effort limit for all joints, as in files whose figures are those of no motor.
+    arm = arms.load(name).with_limits(velocity=np.full(7, 2.0), effort=np.full(7, 200.0))
+    plant = Plant(arm, damping=0.0, friction=0.0)
+    plant.reset(HOME, 1.5 * arm.velocity_limit)
+    record = simulate(plant, TorqueController(arm, [], speeds=True), 0.5, rate=rate)
+    assert np.diff(record.kinetic).max() < 1e-3 * record.kinetic[0]
+    assert record.kinetic[-1] < 0.7 * record.kinetic[0]
+    assert np.abs(record.v[-1]).max() < 0.9 * 3.0
+
+
+def test_a_simulation_warns_of_brakes_that_act_too_long():
+    arm = arms.load("iiwa14")
+    plant, braked = Plant(arm), TorqueController(arm, [], speeds=JointSpeeds(rate=4000.0))
+    with pytest.warns(UserWarning, match="brake on joint 'iiwa_joint_7' may drive it"):
+        simulate(plant, braked, 0.01, rate=1000.0)
+    with pytest.warns(UserWarning, match="brake on joint 'iiwa_joint_7' may drive it"):
+        simulate(plant, braked, 0.01, delay=1e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulate(plant, braked, 0.01)

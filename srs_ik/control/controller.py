@@ -75,8 +75,8 @@ class TorqueController:
         speeds: brakes on fast joints; True for those that begin at the arm's velocity limits, None or False for none.
 
     Raises:
-        InvalidController: a thing of another class, two impedances on one place, or torques that are none; or gravity
-            and an arm without masses.
+        InvalidController: a thing of another class, two impedances on one place, or torques that are none; gravity
+            and an arm without masses; or brakes whose figures the arm does not tell.
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class TorqueController:
                 raise InvalidController(str(error)) from None
         rows = [port.row() for port in self.ports]
         limits_at = self.limits.rows(arm.lower, arm.upper) if self.limits else []
-        brakes = self.speeds.rows(arm.velocity_limit, arm.effort_limit) if self.speeds else []
+        brakes = self.speeds.rows(arm) if self.speeds else []
         rows += limits_at + brakes
         self._names: list[tuple[str, str | None]] = [(place, None) for place in places]
         for name, guards in (("joint_limit", limits_at), ("joint_speed", brakes)):

@@ -8,13 +8,19 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from srs_ik.analysis.inertia import least_inertias
+from srs_ik.arm import Arm
 from srs_ik.control.profile import ForceProfile, Law, checked_law
-from srs_ik.errors import InvalidController
+from srs_ik.errors import InvalidController, quoted, warn_caller
 from srs_ik.inputs.control import flag, not_negative, one_of, positive, seven_positive, thing
 from srs_ik.kernels.layout import control as at
 from srs_ik.system.arrays import Array
 
 Place = Literal["tip", "orientation", "elbow", "arm_angle"]
+
+SHARE = 0.6
+"""Part of the damping that a period allows a joint by itself. Joints whose axes come into line share an inertia: all
+seven together come to 1.6 at most of the 2 beyond which brakes put energy in (28,000 configurations of 7 arms)."""
 
 _KINDS = {"tip": at.TIP, "orientation": at.ORIENTATION, "elbow": at.ELBOW, "arm_angle": at.ARM_ANGLE}
 
@@ -111,30 +117,39 @@ class JointLimits:
 class JointSpeeds:
     """Brakes on joints that are too fast: they take energy out alone, and nothing below the speed where they begin.
 
+    A brake that acts on for too long drives its joint: with the period T (s), damping T has to stay below the least
+    inertia of the joint, kg m^2. A damping beyond this gets a warning.
+
     Attributes:
         begin: speed, rad/s, at which each brake begins, one or (7,); None for the velocity limits of the arm.
         damping: torque over the speed beyond, N m s/rad, one or (7,); None for a twentieth of the arm's effort limits
-            per rad/s. A period T (s) needs damping T below the least inertia of the joint, kg m^2.
+            per rad/s, or where that is less, 0.6 of what the period allows.
         largest: torque of a brake, N m, one or (7,); None for the arm's effort limits.
+        rate: how often torques are asked at least, Hz.
 
     Raises:
-        InvalidController: a figure that is none; or, when a controller is made, a limit that the arm does not have.
+        InvalidController: a figure that is none; or, when a controller is made, a limit that the arm does not have, or
+            no inertias that tell the damping.
     """
 
     begin: ArrayLike | None = None
     damping: ArrayLike | None = None
     largest: ArrayLike | None = None
+    rate: float = 1000.0
 
     def __post_init__(self) -> None:
         for name in ("begin", "damping", "largest"):
             if getattr(self, name) is not None:
                 seven_positive(getattr(self, name), f"{name} of the joint speeds")
+        positive(self.rate, "rate of the joint speeds")
 
-    def rows(self, velocity_limit: Array, effort_limit: Array) -> list[Array]:
+    def rows(self, arm: Arm) -> list[Array]:
         """A port for each joint, (PORT,) each."""
-        begin = self._figures("begin", velocity_limit, "velocity limits")
-        damping = self._figures("damping", 0.05 * effort_limit, "effort limits")
-        largest = self._figures("largest", effort_limit, "effort limits")
+        begin = self._figures("begin", arm.velocity_limit, "velocity limits")
+        largest = self._figures("largest", arm.effort_limit, "effort limits")
+        least = least_inertias(arm)
+        damping = self._damping(arm, least)
+        _warn_of_period(arm, damping, least, 1.0 / self.rate)
         rows = []
         for joint in range(7):
             port = ForceProfile.saturated(damping[joint], largest[joint]).row()
@@ -143,12 +158,37 @@ class JointSpeeds:
             rows.append(port)
         return rows
 
+    def warn_of_period(self, arm: Arm, period: float) -> None:
+        """Warn of brakes that may drive their joint where a torque acts until a period, s, after the speed was read."""
+        least = least_inertias(arm)
+        _warn_of_period(arm, self._damping(arm, least), least, period)
+
+    def _damping(self, arm: Arm, least: Array) -> list[float]:
+        """N m s/rad of each joint, of the least inertia of each, kg m^2."""
+        if self.damping is None and not least.all():
+            raise InvalidController(
+                f"the description of {quoted(arm.name)} has no inertias that tell it: name damping of the joint speeds"
+            )
+        usual = np.minimum(0.05 * arm.effort_limit, SHARE * self.rate * least)
+        return self._figures("damping", usual, "effort limits")
+
     def _figures(self, name: str, own: Array, what: str) -> list[float]:
         given = getattr(self, name)
         values = own if given is None else seven_positive(given, name)
         if not np.isfinite(values).all():
             raise InvalidController(f"the arm has no {what} on all joints: name {name} of the joint speeds")
         return [float(value) for value in values]
+
+
+def _warn_of_period(arm: Arm, damping: list[float], least: Array, period: float) -> None:
+    spent = np.array(damping) * period
+    joint = int((spent - least).argmax())
+    if spent[joint] > least[joint] > 0.0:
+        warn_caller(
+            f"the brake on joint {arm.joint_names[joint]!r} may drive it: at its damping of {damping[joint]:.3g} "
+            f"N m s/rad a torque may act {1e3 * least[joint] / damping[joint]:.3g} ms, not {1e3 * period:.3g}: "
+            "name a smaller damping, or the rate, of the joint speeds"
+        )
 
 
 def check_law(profile: ForceProfile, law: str, may_inject: bool) -> None:

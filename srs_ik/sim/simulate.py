@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.arm import Arm
+from srs_ik.control.impedance import JointSpeeds
 from srs_ik.errors import InvalidController, quoted
 from srs_ik.inputs.control import called, count, not_negative, one_of, positive, thing, things, torques, vector
 from srs_ik.robot.limb import Vector
@@ -56,7 +57,7 @@ def simulate(
     every: int = 1,
     stop: Callable[[Plant], bool] | None = None,
 ) -> Record:
-    """Run a controller on a plant from where that is.
+    """Run a controller on a plant from where that is. Brakes that are too strong for rate and delay get a warning.
 
     Args:
         plant: where the motion begins; afterwards, where it has ended.
@@ -89,6 +90,9 @@ def simulate(
         raise InvalidController(f"a period is a whole number of time steps of {dt:g} s, unlike that of {rate:g} Hz")
     if not 0.5 < steps <= MOST_STEPS:
         raise InvalidController(f"a simulation has 1 to {MOST_STEPS:,} time steps of {dt:g} s, not {steps:.3g}")
+    brakes = getattr(controller, "speeds", None)
+    if isinstance(brakes, JointSpeeds):
+        brakes.warn_of_period(plant.arm, 1.0 / rate + delay)
     log = _Log(plant, controller, math.ceil(steps / (period * every)))
     # Torques on their way, each with the step at which it arrives.
     coming: deque[tuple[int, Vector]] = deque()

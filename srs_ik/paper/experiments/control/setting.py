@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.control import ForceProfile, FractalImpedance, TorqueController
+from srs_ik.control import ForceProfile, FractalImpedance, JointSpeeds, TorqueController
 from srs_ik.control.baselines import Gains, JointImpedance, LinearImpedance, OperationalSpace
 from srs_ik.control.profile import Law
 from srs_ik.sim import Record
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 DAMPING = 0.5
 """Of each joint, N m s/rad: the figure in the description of the iiwa 14 in drake_models. Our file has none."""
+
+RATE = 4000.0
+"""How often controllers are asked, where nothing else is said, Hz."""
 
 TIP = ForceProfile.tanh(1000.0, 60.0)
 TURN = ForceProfile.tanh(60.0, 12.0)
@@ -71,7 +74,7 @@ def fractal(
         for place, profile in places.items()
         if profile is not None
     ]
-    return TorqueController(arm, ports, limits=limits, speeds=speeds)
+    return TorqueController(arm, ports, limits=limits, speeds=JointSpeeds(rate=RATE) if speeds else None)
 
 
 def make(kind: str, arm: Arm) -> Any:
