@@ -119,6 +119,33 @@ def test_weighted_differences_of_joints_without_end_are_those_of_the_nearest_tur
         np.testing.assert_allclose(seed + names["away"](best.q), nearest.q, rtol=0.0, atol=1e-3)
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_gradients_of_the_recipe_are_those_of_its_joint_angles(name, folder):
+    """The recipe of The redundancy for torch and jax: what it does not refuse is right, and most is not refused."""
+    names = run_page("docs/redundancy.md")
+    arm = names["arm"] = srs_ik.load(name)
+    lower, upper, rng = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi), np.random.default_rng(3)
+    told, step = [], 1e-6 * np.eye(4)
+
+    def loss(x):
+        return np.sum(names["forward"](x[:3], x[3])[0] ** 2)
+
+    for _ in range(100):
+        q = names["q"] = rng.uniform(lower, upper)
+        names["branch"], names["matrix"] = arm.branch(q), arm.forward_kinematics(q).homogeneous
+        x = np.append(names["matrix"][:3, 3], arm.arm_angle(q)) + rng.uniform(-0.1, 0.1, 4)
+        try:
+            q, found = names["forward"](x[:3], x[3])
+            slopes = np.array([(loss(x + h) - loss(x - h)) / 2e-6 for h in step])
+        except ValueError:
+            continue
+        by_position, by_angle = names["backward"](found, 2.0 * q)
+        told.append(np.abs(np.append(by_position, by_angle) - slopes).max() / max(1.0, np.abs(slopes).max()))
+    assert 50 <= len(told) < 100
+    # Of central differences, close to singular poses too.
+    assert max(told) < 1e-4
+
+
 def test_a_block_that_fails_is_not_passed_over(folder, monkeypatch):
     (folder / "page.md").write_text("<!-- exit status 1 -->\n```bash\nsrs-ik robots\n```\n")
     monkeypatch.setattr("test_snippets.ROOT", folder)
