@@ -95,12 +95,48 @@ def test_nothing_else_lies_at_the_top_level():
     assert {name for name in names - ignored if not name.startswith(".")} <= TOP
 
 
-@pytest.mark.slow
-def test_a_wheel_is_compiled_where_this_checkout_is_installed_as_editable(monkeypatch, tmp_path):
-    # An isolated build drops from the search path what the environment around it has added to it: such a checkout, too.
+@pytest.fixture
+def hook(monkeypatch):
     interface = SimpleNamespace(BuildHookInterface=type("BuildHookInterface", (), {"root": str(ROOT)}))
     monkeypatch.setitem(sys.modules, "hatchling.builders.hooks.plugin.interface", interface)
-    hook = runpy.run_path(str(ROOT / "srs_ik/kernels/ahead/hook.py"))
+    return runpy.run_path(str(ROOT / "srs_ik/kernels/ahead/hook.py"))
+
+
+@pytest.mark.parametrize(("asked", "numba"), [("", True), ("pure", True), ("portable", False), ("Portable", False)])
+def test_where_nothing_can_be_compiled_no_wheel_is_made_that_is_to_be_handed_on(monkeypatch, hook, asked, numba):
+    monkeypatch.setenv("SRS_IK_BUILD", asked)
+    monkeypatch.setattr(subprocess, "run", lambda command, **how: subprocess.CompletedProcess(command, 1))
+    kernels, data, told = hook["CompiledKernels"](), {"dependencies": []}, []
+    kernels.app = SimpleNamespace(display_warning=told.append)
+    if numba:
+        kernels.initialize("standard", data)
+        assert data["dependencies"] == [hook["NUMBA"]]
+        assert len(told) == 1
+    else:
+        with pytest.raises((RuntimeError, ValueError), match=r"no portable wheel|is portable or pure, not Portable"):
+            kernels.initialize("standard", data)
+    kernels.finalize("standard", data, "")
+
+
+@pytest.mark.parametrize(
+    ("release", "machine", "tag"),
+    [("14.5", "arm64", "macosx_14_0_arm64"), ("10.15.7", "x86_64", "macosx_10_15_x86_64")],
+)
+def test_a_wheel_of_a_mac_is_for_its_own_processor_and_system(monkeypatch, hook, release, machine, tag):
+    monkeypatch.setattr(subprocess, "run", lambda command, **how: subprocess.CompletedProcess(command, 0))
+    monkeypatch.setattr(sys, "platform", "darwin")
+    monkeypatch.setattr("sysconfig.get_platform", lambda: "macosx-10.13-universal2")
+    monkeypatch.setattr("platform.mac_ver", lambda: (release, ("", "", ""), machine))
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    kernels, data = hook["CompiledKernels"](), {}
+    assert kernels._compile(data) == ""
+    kernels.finalize("standard", data, "")
+    assert data["tag"] == f"cp311-abi3-{tag}"
+
+
+@pytest.mark.slow
+def test_a_wheel_is_compiled_where_this_checkout_is_installed_as_editable(monkeypatch, hook, tmp_path):
+    # An isolated build drops from the search path what the environment around it has added to it: such a checkout, too.
     asked = {}
 
     def refused(command, **how):

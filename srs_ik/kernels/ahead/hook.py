@@ -1,13 +1,15 @@
 """Where Hatchling has the kernels compiled: into every wheel, but for editable installs, which Numba compiles for.
 
 They are for the kind of processor that builds. SRS_IK_BUILD=portable makes a wheel for all kinds, to be handed on;
-SRS_IK_BUILD=pure one without compiled kernels, which brings Numba, and so does a machine without C compiler.
+SRS_IK_BUILD=pure one without compiled kernels, which brings Numba. So does a build for this machine alone where nothing
+can be compiled; a portable one ends there, as installers do not show its warning to who hands it on.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -22,6 +24,23 @@ NUMBA = "numba>=0.62,<0.69"
 ZIG = "ziglang>=0.13"
 
 
+def _asked() -> str:
+    """What SRS_IK_BUILD asks for; raises ValueError for what it does not know."""
+    asked = os.environ.get("SRS_IK_BUILD", "")
+    if asked not in ("", "portable", "pure"):
+        raise ValueError(f"SRS_IK_BUILD is portable or pure, not {asked}")
+    return asked
+
+
+def _platform() -> str:
+    """The systems that compiled kernels are for, as tags of wheels name them."""
+    if sys.platform != "darwin":
+        return sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    # Python itself may be for several processors and for older systems; what is compiled here is not.
+    major, minor = [*platform.mac_ver()[0].split("."), "0"][:2]
+    return f"macosx_{major}_{minor if major == '10' else 0}_{platform.machine()}"
+
+
 def _has_compiler() -> bool:
     return any(map(shutil.which, ("cc", "gcc", "clang"))) or bool(os.environ.get("CC"))
 
@@ -31,7 +50,7 @@ class CompiledKernels(BuildHookInterface):
 
     def dependencies(self) -> list[str]:
         """What compiling needs: a C compiler from the package index where the machine has none."""
-        if os.environ.get("SRS_IK_BUILD") == "pure":
+        if _asked() == "pure":
             return []
         return [NUMBA] if _has_compiler() else [NUMBA, ZIG]
 
@@ -42,6 +61,8 @@ class CompiledKernels(BuildHookInterface):
             reason = self._compile(build_data)
             if not reason:
                 return
+            if _asked() == "portable":
+                raise RuntimeError(f"no portable wheel: {reason}; SRS_IK_BUILD=pure makes one that needs Numba to run")
             self.app.display_warning(f"srs_ik: no compiled kernels in this wheel, which needs Numba to run: {reason}")
         build_data["dependencies"].append(NUMBA)
 
@@ -51,7 +72,7 @@ class CompiledKernels(BuildHookInterface):
 
     def _compile(self, build_data: dict[str, Any]) -> str:
         """Compile; why not, in words, if that fails."""
-        if os.environ.get("SRS_IK_BUILD") == "pure":
+        if _asked() == "pure":
             return "SRS_IK_BUILD=pure"
         if importlib.util.find_spec("numba") is None:
             return "no Numba to compile them"
@@ -68,7 +89,6 @@ class CompiledKernels(BuildHookInterface):
             return "they could not be compiled, see above"
         for path in scratch.iterdir():
             build_data["force_include"][str(path)] = f"srs_ik/kernels/native/{path.name}"
-        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["pure_python"] = False
-        build_data["tag"] = f"cp311-abi3-{platform}"
+        build_data["tag"] = f"cp311-abi3-{_platform()}"
         return ""
