@@ -1,4 +1,4 @@
-/* Inverse kinematics in C: the best posture for a pose, and the feasible arm angles.
+/* Inverse kinematics in C: the best posture for a pose, the feasible arm angles, and the best posture for a task.
 
    srs-ik inspect iiwa14 --packed iiwa14.limb
    cc solve.c $(python -m srs_ik.kernels.native) -o solve && ./solve iiwa14.limb
@@ -29,6 +29,14 @@ int main(int count, char **words) {
     printf("\n%lld intervals\n", (long long)found);
     for (int64_t i = 0; i < found; i++)
         printf("branch %g: %.12f to %.12f\n", intervals[i][0], intervals[i][1], intervals[i][2]);
+
+    /* Of all postures the one that is best for a force along z and a motion along x. */
+    double params[SRS_IK_OBJECTIVES_PARAMS] = {0.0, 0.0, 1.0, 1.0, 0.0, 0.0}, out[SRS_IK_SEARCH_OUT];
+    params[SRS_IK_OBJECTIVES_RESPECT] = 1.0;
+    if (srs_ik_optimum_optimise(*family, **pose, SRS_IK_OBJECTIVES_RATIO, -1, 0.0, 3e-9, params, true, row, out, &found) ||
+        found != SRS_IK_SEARCH_FOUND)
+        return 1;
+    printf("least %.12f at arm angle %.6f\n", out[SRS_IK_SEARCH_OUT_VALUE], row[SRS_IK_ANSWER_ROW_ARM_ANGLE]);
 
     enum { POSES = 1000 };
     static double poses[POSES][4][4], rows[POSES][SRS_IK_ANSWER_ROW];

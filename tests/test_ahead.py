@@ -464,7 +464,8 @@ arm = srs_ik.load(sys.argv[1])
 q = [0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]
 pose = arm.forward_kinematics(q)
 ends = [(i.branch, i.lower, i.upper) for i in arm.intervals(pose)]
-print(json.dumps({"q": arm.solve(pose, seed=q).q.tolist(), "ends": ends}))
+best = arm.optimise(pose, "force_velocity_ratio", force=[0, 0, 2.0], velocity=[3.0, 0, 0])
+print(json.dumps({"q": arm.solve(pose, seed=q).q.tolist(), "ends": ends, "best": [best.value, best.arm_angle]}))
 """
 
 
@@ -478,7 +479,7 @@ def test_the_c_example_gives_the_same_answers(installed, tmp_path, robot):
     program = tmp_path / "solve"
     options = ["-std=c11", "-Wall", "-Wextra", "-Werror"]
     subprocess.run(["cc", *options, str(ROOT / "examples/solve.c"), *flags, "-o", str(program)], check=True)
-    first, second, *rows, last = subprocess.run(
+    first, second, *rows, least, last = subprocess.run(
         [str(program), str(limb)], check=True, capture_output=True, text=True
     ).stdout.splitlines()
     expected = json.loads(run_installed(installed, BY_PYTHON, robot))
@@ -491,6 +492,10 @@ def test_the_c_example_gives_the_same_answers(installed, tmp_path, robot):
     ]
     assert second == f"{len(ends)} intervals"
     np.testing.assert_allclose(found, ends, atol=1e-9)
+    value, angle = least.removeprefix("least ").split(" at arm angle ")
+    assert float(value) == pytest.approx(expected["best"][0], abs=1e-9)
+    # A minimum is flat: rounding of its value is this much of its place.
+    assert float(angle) == pytest.approx(expected["best"][1], abs=1e-5)
     assert last.startswith("1000 of 1000 solved")
     no_limb = tmp_path / "no.limb"
     no_limb.write_bytes(limb.read_bytes()[:-1])
