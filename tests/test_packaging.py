@@ -124,7 +124,7 @@ def test_where_nothing_can_be_compiled_no_wheel_is_made_that_is_to_be_handed_on(
 )
 def test_a_wheel_of_a_mac_is_for_its_own_processor_and_system(monkeypatch, hook, release, machine, tag):
     monkeypatch.setattr(subprocess, "run", lambda command, **how: subprocess.CompletedProcess(command, 0))
-    monkeypatch.setattr(sys, "platform", "darwin")
+    monkeypatch.setattr("platform.system", lambda: "Darwin")
     monkeypatch.setattr("sysconfig.get_platform", lambda: "macosx-10.13-universal2")
     monkeypatch.setattr("platform.mac_ver", lambda: (release, ("", "", ""), machine))
     monkeypatch.setattr("platform.machine", lambda: machine)

@@ -113,3 +113,15 @@ def test_wrong_limits_are_refused(options, named):
     arm = load("iiwa14")
     with pytest.raises(srs_ik.InvalidConfiguration, match=named):
         arm.solve_path([arm.forward_kinematics(np.full(7, 0.3))], **options)
+
+
+def test_a_table_has_the_times_of_the_poses_where_they_are_known():
+    arm = load("iiwa14")
+    q = np.array([0.2, 0.6, 0.1, -1.2, 0.2, 0.8, 0.1])
+    poses = np.repeat(arm.forward_kinematics(q).homogeneous[None], 6, axis=0)
+    poses[:, 1, 3] += np.linspace(0.0, 0.05, 6)
+    timed = arm.solve_path(poses, seed=q, objective="time", acceleration_limit=5.0)
+    assert timed.as_table()["t"].tolist() == timed.times.tolist()
+    assert list(timed.as_table())[:2] == ["t", arm.joint_names[0]]
+    assert arm.solve_path(poses, seed=q, dt=0.1).as_table()["t"] == pytest.approx(0.1 * np.arange(6))
+    assert "t" not in arm.solve_path(poses, seed=q).as_table()

@@ -34,7 +34,7 @@ def _asked() -> str:
 
 def _platform() -> str:
     """The systems that compiled kernels are for, as tags of wheels name them."""
-    if sys.platform != "darwin":
+    if platform.system() != "Darwin":
         return sysconfig.get_platform().replace("-", "_").replace(".", "_")
     # Python itself may be for several processors and for older systems; what is compiled here is not.
     major, minor = [*platform.mac_ver()[0].split("."), "0"][:2]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration, warn_caller
 from srs_ik.kernels.layout.path import BY_VELOCITY
@@ -114,6 +115,11 @@ class PathSolution(BatchSolution):
         if self.times is None and self._problem is not None and self._problem.dt is not None:
             return float(self._problem.dt) * np.arange(len(self), dtype=float)
         return self.times
+
+    def as_table(self) -> dict[str, NDArray[Any]]:
+        """Columns (N,) as of all answers, and first "t", when the path passes its poses, s, where `passes` knows it."""
+        first = {} if self.passes is None else {"t": self.passes}
+        return {**first, **super().as_table()}
 
     def trajectory(self) -> Trajectory:
         """A motion through all postures, from rest to rest, that keeps the limits at all times, to be sampled.
