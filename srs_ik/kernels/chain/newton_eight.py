@@ -135,6 +135,18 @@ def with_wrist(made, turn_, d1, d2, d3, d4):
 
 
 @kernel
+def elbow_rates(P, made, b):
+    """How joints 1 to 3 move the elbow along a normal of its half-plane, and how far it has to go."""
+    a1, a2, a3, _ = made.axes
+    m1, m2, m3 = made.motions
+    lever = cross(made.elbow, b)
+    e1 = dot(b, m1) + dot(lever, a1)
+    e2 = dot(b, m2) + dot(lever, a2)
+    e3 = dot(b, m3) + dot(lever, a3)
+    return e1, e2, e3, -dot(b, sub(made.elbow, load3(P, SHOULDER_CENTRE)))
+
+
+@kernel
 def newton_step(P, turns, R, p, h, b):
     """The step of each joint towards a pose and the half-plane (h, normal b) of an arm angle.
 
@@ -142,15 +154,9 @@ def newton_step(P, turns, R, p, h, b):
     (m, rad), and whether elbow and hand are on the right side.
     """
     made = reduced(P, turns, R, p)
-    a1, a2, a3, _ = made.axes
-    m1, m2, m3 = made.motions
     s1, s2, s3, s4 = made.s
     reach = sub(made.elbow, load3(P, SHOULDER_CENTRE))
-    lever = cross(made.elbow, b)
-    e1 = dot(b, m1) + dot(lever, a1)
-    e2 = dot(b, m2) + dot(lever, a2)
-    e3 = dot(b, m3) + dot(lever, a3)
-    e = -dot(b, reach)
+    e1, e2, e3, e = elbow_rates(P, made, b)
     # s1 d1 + ... + s4 d4 = rest and e1 d1 + e2 d2 + e3 d3 = e.
     s = made.rest
     g1 = cross(s1, s4)

@@ -97,9 +97,9 @@ def start_all(P, place_, psi, seeded, seed, respect, A):
 def close_all(P, target, psi, wanted, goal, pivots, A):
     """The postures of all branches at an arm angle (or of one, 0 to 7) into A, and their costs.
 
-    A cost is NO_BRANCH where there is no posture. Steps with pivots follow where those in eight miss one (`pivots`), or
-    only next to a singular wrist: from the same start, they seldom lead elsewhere. Returns whether steps in eight have
-    led to every branch.
+    A cost is NO_BRANCH where there is no posture; where one is wanted, those of others tell no more. Steps with pivots
+    follow where those in eight miss one (`pivots`), or only next to a singular wrist: from the same start, they seldom
+    lead elsewhere. Returns whether steps in eight have led to every branch.
     """
     R, p, place_ = target
     seeded, seed, respect = goal
@@ -118,6 +118,7 @@ def close_all(P, target, psi, wanted, goal, pivots, A):
     put_eight(rows, WIDTH, met, closed)
     for b in range(8):
         if wanted >= 0 and b != wanted:
+            A[FIRST + b, ROW_COST] = 0.0 if (met >> b) & 1 == 1 else NO_BRANCH
             continue
         q, lowest = turned(P, read7(row(A, FIRST + b)), seeded, seed, respect), NO_BRANCH
         if (met >> b) & 1 == 1:

@@ -243,7 +243,7 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
         return kept
     branches = on_curves.EVERY_BRANCH
     if not has_surface(P, target.place):
-        branches = branches_to_look_at(P, target, psi, -1, A)
+        branches = band.leave_out_met(P, target, psi, branches_to_look_at(P, target, psi, -1, A), A)
     if branches != 0:
         on_line = may_be_on_line(P, target.place)
         by = on_curves.setting_of(P, target, J, A)
@@ -338,6 +338,7 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
     if not may_reach(P, place_):
         return q, best, lowest
     branches = branches_in_question(P, target, psi, wanted, goal, lowest, A)
+    branches = band.leave_out_met(P, target, psi, branches, A) if branches != 0 else 0
     if branches == 0:
         return q, best, lowest
     if lowest >= OUTSIDE and not seeded and may_be_on_line(P, place_):

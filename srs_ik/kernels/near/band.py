@@ -12,10 +12,12 @@ from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.eight import highest
 from srs_ik.kernels.chain.kinematics import forward_kinematics, tip_frame
 from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.chain.shoulder_turns import count_met, count_postures
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import beyond, set_joint_limits, set_limit, turn_to_middle
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.surface import level_place
@@ -321,3 +323,24 @@ def untold_elbows(P, place_, psi):
 def is_told(P, place_, psi):
     """Whether each branch has one posture at an arm angle, next to the closed form's, as the band tells."""
     return untold_elbows(P, place_, psi) == 0
+
+
+@kernel
+def leave_out_met(P, target, psi, branches, A):
+    """Branches of those given (bits) whose postures at an arm angle, as costs in A tell, may not all be there."""
+    place_ = target.place
+    band = band_of(P, place_)
+    if P[at.MISS] < ROUNDED * P[at.FAR] or not may_predict(P, place_, band):
+        return branches
+    for i in range(4):
+        first = 4 * (i >> 1) + (i & 1)
+        pair = 0b101 << first
+        if branches & pair == 0:
+            continue
+        side = elbow_side(P, place_, i >> 1)
+        if is_close_to_singular(P, at.WRIST, side[2][0], psi, WIDER * nearness(at.WRIST, band)):
+            continue
+        met = count_met(P, first, A)
+        if met >= 0 and met == count_postures(P, target, psi, side, i & 1):
+            branches &= ~pair
+    return branches

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row, scratch
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.pointers import read7, row, scratch
 from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
 from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free
 from srs_ik.kernels.chain.starts import SPLITS, put_splits
@@ -37,13 +38,16 @@ from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.splits import nearest_split, with_outer
 from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.at_angle import is_crowded, may_be_unsure_within
-from srs_ik.kernels.near.band import is_well_bent
+from srs_ik.kernels.near.band import WIDER, band_of, is_well_bent, widest
 from srs_ik.kernels.near.many_singular import nearest_among_splits, try_from
 from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
 
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
+
+MOST_STARTS = 16 * SPLITS
+"""Postures along all the free splits of a pose: of shoulder and wrist, both ways, on either side of the elbow."""
 
 APART = 1e-6
 """Splits farther apart than this, rad, are two."""
@@ -77,17 +81,39 @@ def search_hardly_near(P, target, found, known, goal, J, A):
 
 
 @kernel
-def may_be_singular(P, target, seed, distance, J):
-    """Whether outer axes of a near limb may come into line no farther than some distance from a seed.
-
-    There the exact limb's postures, along which sums of joints are split, are far from those of the true chain; where
-    this splits sums too, it has a curve of postures at a single arm angle of that limb.
-    """
+def is_many_singular(P, target, seed, distance):
+    """Whether shoulder and wrist of a near limb may both come into line no farther than some distance from a seed."""
     s2, _, s6 = singular_sines(P, seed)
-    within = distance + nearest.between_limbs(P)
-    if max(s2, s6) < within and has_surface(P, target.place):
-        return True
-    return min(s2, s6) < within and put_splits(P, target, J, np.empty((SPLITS, 7)), 0) > 0
+    return max(s2, s6) < distance + nearest.between_limbs(P) and has_surface(P, target.place)
+
+
+@kernel
+def search_splits(P, target, known, goal, J, A):
+    """The best posture so far, or a nearer one where the true chain splits a sum of two joints: q, branch, cost.
+
+    Such postures are a curve at a single arm angle of the nearest exact limb, far from its own postures but for those
+    at which both cross: searches start from the nearest of all splits of each sum that is close.
+    """
+    seed, distance = goal.seed, math.sqrt(known[2])
+    within = distance + max(nearest.between_limbs(P), WIDER * widest(band_of(P, target.place)))
+    s2, _, s6 = singular_sines(P, seed)
+    if min(s2, s6) >= within:
+        return known
+    starts = np.empty((MOST_STARTS, 7))
+    n = put_splits(P, target, J, starts, 0)
+    for i in range(0, n, SPLITS):
+        q = read7(row(starts, i))
+        k, first = (SHOULDER, 0) if is_in_line(P, SHOULDER, q[1], NEARLY_IN_LINE) else (WRIST, 4)
+        toward = toward_of(P, k, q[first + 1])
+        # Of the sum, the nearest split takes half with each joint.
+        off = difference(seed, q)
+        total = short_way(toward * off[first] + off[first + 2])
+        rest = with_outer(off, first, 0.0, 0.0)
+        if dot7(rest, rest) + 0.5 * total * total < within * within:
+            total = toward * q[first] + q[first + 2]
+            q1, q3 = nearest_split(P, k, first, total, toward, seed[first], seed[first + 2])
+            known = try_from(P, with_outer(q, first, q1, q3), target, goal, known, (J, A))
+    return known
 
 
 @kernel
@@ -176,7 +202,9 @@ def search_beside(family, target, minimum, known, goal, J, A):
     known = nearest_among_splits(P, target, goal, known)
     if known[2] >= OUTSIDE:
         return known, True
-    told = not may_be_singular(P, target, goal.seed, math.sqrt(known[2]), J)
+    told = not is_many_singular(P, target, goal.seed, math.sqrt(known[2]))
+    if told:
+        known = search_splits(P, target, known, goal, J, A)
     if told and math.sqrt(known[2]) < nearest.CLOSE:
         known, sure = nearest.look_across(P, target, known, minimum, goal, J, A)
         if sure:
