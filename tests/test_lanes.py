@@ -1,4 +1,4 @@
-"""Eight floats at once: as NumPy has it, and their cosines and sines as `math` has them."""
+"""Eight floats at once: as NumPy has it, their cosines and sines as `math` has them, and what is between them."""
 
 import operator
 
@@ -20,6 +20,7 @@ from srs_ik.kernels.algebra.lanes import (
     whole_number,
 )
 from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.waves import waves_of, zeros_of
 
 SPECIAL = np.array([0.0, -0.0, 1.0, -2.5, 1e-300, 1e300, np.inf, np.nan])
 COMMON = np.array([0.5, -1.5, 2.5, 3.0, -4.0, 7.25, 1e-3, 0.0])
@@ -173,3 +174,36 @@ def test_turns_of_seven_joints_and_turns_on_top():
     np.testing.assert_allclose(out[:7], np.column_stack((np.cos(q), np.sin(q)))[:7], atol=3e-16)
     on_top(q, x, out)
     np.testing.assert_allclose(out, np.column_stack((np.cos(q + x), np.sin(q + x))), atol=1e-15)
+
+
+ON_PIECE = 0.02
+"""Part of their size by which waves change between two turns on one piece."""
+
+
+@njit
+def zeros_between(figures):
+    found = zeros_of(waves_of(gather(row(figures, 0), 0, 1)))
+    keep(figures)
+    return found
+
+
+def test_zeros_of_waves_are_counted():
+    rng = np.random.default_rng(1)
+    around = np.arange(8) * np.pi / 4.0
+    dense = np.linspace(0.0, 2.0 * np.pi, 20001)
+    counts = set()
+    for _ in range(300):
+        parts = rng.normal(size=7) * [1.0, 1.0, 1.0, 0.3, 0.3, 0.1, 0.1]
+
+        def waves(x, parts=parts):
+            return parts[0] + sum(parts[2 * n - 1] * np.cos(n * x) + parts[2 * n] * np.sin(n * x) for n in range(1, 4))
+
+        values = waves(dense)
+        count, nearest = zeros_between(waves(around))
+        turning = np.abs(values[1:-1][np.diff(values)[1:] * np.diff(values)[:-1] <= 0.0])
+        # Two turns next to each other, on one piece, come as close to zero as an end of it, but for this much.
+        assert 0.0 <= nearest <= turning.min() + ON_PIECE
+        if nearest > ON_PIECE:
+            assert count == np.count_nonzero(np.diff(np.sign(values)))
+            counts.add(count)
+    assert counts >= {0, 2, 4}

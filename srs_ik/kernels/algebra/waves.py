@@ -10,7 +10,7 @@ from srs_ik.kernels.algebra.lanes import eight_of, one_of, smaller, where
 from srs_ik.kernels.jit import kernel
 
 PIECES = 32
-"""Pieces of a turn, on each of which three waves turn around once at most."""
+"""Pieces of a turn, on which zeros are looked for."""
 
 HALF_ROOT = math.sqrt(0.5)
 
@@ -43,6 +43,12 @@ def waves_of(figures):
 
 
 @kernel
+def size_of(wave):
+    """The most that a wave comes to."""
+    return math.sqrt(wave[0] * wave[0] + wave[1] * wave[1])
+
+
+@kernel
 def along_waves(waves, turn_):
     """The sum of constant and three waves at eight angles, given as cosines and sines, and its rate."""
     first, second, third = waves.first, waves.second, waves.third
@@ -56,8 +62,11 @@ def along_waves(waves, turn_):
 
 @kernel
 def zeros_of(waves):
-    """How many zeros three waves have, and how close to zero, at the least, they turn around."""
+    """How many zeros three waves have, and how close to zero, at the least, they turn around, or almost."""
     step = 2.0 * math.pi / PIECES
+    # No rate changes its own rate by more: with a higher one at an end, they turn around once at most on a piece.
+    bends = size_of(waves.first) + 8.0 * size_of(waves.second) + 27.0 * size_of(waves.third)
+    slow = step * step * bends
     at = step * eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
     none = 0.0 * at
     changes, nearest = none, none + math.inf
@@ -72,6 +81,7 @@ def zeros_of(waves):
         least = smaller(smaller(abs(a), abs(b)), abs(meet))
         least = where(smaller(a * b, a * meet) > 0.0, least, none)
         nearest = where(rate_a * rate_b > 0.0, nearest, smaller(nearest, least))
+        nearest = where(abs(rate_a) > slow, nearest, smaller(nearest, abs(a)))
     count, closest = 0.0, math.inf
     for i in range(8):
         count += one_of(changes, i)

@@ -32,8 +32,8 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, is_on_border, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 
 STEPS = 2
-SETTLED = 1e-4
-"""Steps of joints 2 to 7; where the next one is longer, rad, these do not lead to what is closest."""
+SETTLED = 2e-3
+"""Steps of joints 2 to 7; where the next one is longer, rad, it would change what is left, which it does by its square."""
 
 OF_THIRD, OF_FOURTH, OF_CONSTANT = 0.2, 2.0, 5e-4
 """What turns around farther from zero than these parts of its waves is as far from it with all waves that do not count,
