@@ -33,7 +33,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 
 STEPS = 2
 SETTLED = 2e-3
-"""Steps of joints 2 to 7; where the next one is longer, rad, it would change what is left, which it does by its square."""
+"""Steps of joints 2 to 7, which change what they leave by their square; none where the next one is longer, rad."""
 
 OF_THIRD, OF_FOURTH, OF_CONSTANT = 0.2, 2.0, 5e-4
 """What turns around farther from zero than these parts of its waves is as far from it with all waves that do not count,
