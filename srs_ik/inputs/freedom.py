@@ -105,7 +105,7 @@ class FreeAxis:
 
     def rolled(self, angle: float) -> Array:
         """(3, 3) turn about the axis by an angle, rad, in the tip frame."""
-        return _rotation(self.axis, angle)
+        return _rotations(self.axis, np.array(angle))
 
     def lean(self, tip: Array, wanted: Array) -> float:
         """How far the axis of a tip (3, 3) is out of the cone about that of a wanted rotation (3, 3), rad."""
@@ -147,22 +147,28 @@ def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each:
     """
     along = np.array(axis)
     across = np.linalg.svd(along[None])[2][1:]
-    found = []
+    leans, azimuths, begins = [], [], []
     rings = max(math.ceil(cone / apart), 1)
     for ring in range(rings + 1):
         lean = cone * ring / rings
         count = max(math.ceil(2.0 * math.pi * math.sin(lean) / apart), 1)
         for k in range(count):
-            azimuth = 2.0 * math.pi * (k + 0.5 * (ring % 2)) / count
-            tilt = _rotation(math.cos(azimuth) * across[0] + math.sin(azimuth) * across[1], lean)
-            begin = shift * (k % 2)
-            found += [tilt @ _rotation(along, 2.0 * math.pi * (roll + begin) / each) for roll in range(each)]
-    turns = np.array(found).reshape(-1, 9)
+            leans.append(lean)
+            azimuths.append(2.0 * math.pi * (k + 0.5 * (ring % 2)) / count)
+            begins.append(shift * (k % 2))
+    directions = np.stack([np.cos(azimuths), np.sin(azimuths)], axis=1) @ across
+    rolls = 2.0 * math.pi * (np.arange(each) + np.array(begins)[:, None]) / each
+    turns = (_rotations(directions, np.array(leans))[:, None] @ _rotations(along, rolls)).reshape(-1, 9)
     turns.flags.writeable = False
     return turns
 
 
-def _rotation(axis: Array, angle: float) -> Array:
-    x, y, z = axis
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+def _rotations(axes: Array, angles: Array) -> Array:
+    """(..., 3, 3) turns about unit axes (..., 3) by angles (...), rad."""
+    x, y, z = np.moveaxis(axes, -1, 0)
+    K = np.zeros((*axes.shape, 3))
+    K[..., 0, 1], K[..., 0, 2], K[..., 1, 2] = -z, y, -x
+    K[..., 1, 0], K[..., 2, 0], K[..., 2, 1] = z, -y, x
+    c, s = np.cos(angles)[..., None, None], np.sin(angles)[..., None, None]
+    turned: Array = np.eye(3) + s * K + (1.0 - c) * (K @ K)
+    return turned
