@@ -163,3 +163,69 @@ def test_poses_are_named_by_whatever_is_an_index():
     for bad in (True, 3.0, "3", np.float64(3.0), 8, -9, None):
         with pytest.raises(srs_ik.InvalidConfiguration, match="there is no pose"):
             arm.solve_path(poses, known={bad: q[3]})
+
+
+SINGULAR_LINES = {
+    "shoulder and wrist": (
+        "2.017711025457009 -0.008267714712858955 -2.1198794694934198 1.316012867885938 "
+        "-0.10680629851781473 0.001120319035913151 0.14079622272391926",
+        "1.8712767704973545 0.008267714712858955 -2.034903280051642 1.206120115783147 "
+        "-0.16651954508743919 -0.001120319035913151 0.052711913431277645",
+        59,
+    ),
+    "shoulder and wrist, too fast": (
+        "0.11164483769464947 -0.0015132406235200844 -1.8697903861683065 1.6298526069757093 "
+        "-2.198059310241264 -0.07360665765159921 1.2378146406049562",
+        "-0.038270409035051606 0.0015132406235200844 -1.9376261014763794 1.583097056640045 "
+        "-2.2739924754878857 0.07360665765159921 1.405048711368783",
+        55,
+    ),
+    "shoulder": (
+        "-1.4312766816117177 -0.008551153393705022 2.7757807309673024 -0.609598389226498 "
+        "0.41950965010022045 -2.0943951023931953 -2.8933963361303965",
+        "-1.2362446713527233 0.008551153393705022 2.4086166905005437 -0.5037682199258569 "
+        "0.26991459086300384 -1.9274780759567172 -2.4904768322544317",
+        31,
+    ),
+    "from anywhere": (
+        "-1.1054796170832542 0.06344687796664822 -1.251453909895012 0.6210395367274414 "
+        "0.06847405889145405 0.12067680099692196 -0.40809401442036414",
+        "-1.0420049695466567 -0.06344687796664822 -0.8217757867272844 0.43976134389505134 "
+        "-0.06941190859110466 -0.12067680099692196 -0.433457853490197",
+        39,
+    ),
+}
+"""Straight lines of joint angles of iiwa14 whose middle posture has a singular shoulder, or wrist too."""
+
+
+def singular_line(name):
+    begin, end, count = SINGULAR_LINES[name]
+    return np.linspace(*(np.array(each.split(), float) for each in (begin, end)), count)
+
+
+@pytest.mark.parametrize("line", list(SINGULAR_LINES)[:3])
+@pytest.mark.parametrize("seeded", [False, True])
+def test_through_singular_postures_a_known_motion_is_no_better(line, seeded):
+    arm, motion = load("iiwa14"), singular_line(line)
+    start = {"seed": motion[0]} if seeded else {"known": {0: motion[0]}}
+    found = arm.solve_path(poses_of("iiwa14", motion), dt=0.05, **start)
+    assert found
+    assert (found.steps**2).sum() <= (np.diff(motion, axis=0) ** 2).sum()
+    assert found.velocity_use.max() < 0.12
+
+
+@pytest.mark.parametrize("line", list(SINGULAR_LINES)[:2])
+def test_through_singular_postures_the_largest_step_of_a_known_motion_is_no_smaller(line):
+    motion = singular_line(line)
+    poses = poses_of("iiwa14", motion)
+    found = load("iiwa14").solve_path(poses, known={0: motion[0]}, objective="largest_step")
+    assert found
+    assert np.abs(found.steps).max() <= 1.005 * np.abs(np.diff(motion, axis=0)).max()
+
+
+def test_through_singular_postures_a_path_from_anywhere_costs_no_more_than_a_known_motion():
+    """Strips hold lines alone of the postures of the middle pose, whose shoulder and wrist both turn on the spot."""
+    motion = singular_line("from anywhere")
+    found = load("iiwa14").solve_path(poses_of("iiwa14", motion))
+    assert found
+    assert (found.steps**2).sum() <= (np.diff(motion, axis=0) ** 2).sum()

@@ -58,6 +58,9 @@ ROOM_OF_BENDS = 2e-7
 """So far are limits drawn out where intervals are looked for, rad; the second one where an elbow is as good as flat."""
 
 
+ROUNDED = 1e-4
+"""Joints of a near limb that are off those of its nearest exact one by less than this, rad, are so by rounding."""
+
 STANDING = 1e-12
 """Two poses in a row are the same if no entry differs by more."""
 
@@ -93,6 +96,8 @@ class Problem:
     held_of: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     # (n,) where they are all postures of their pose, and not some that strips miss; None: nowhere
     held_alone: NDArray[np.bool_] | None = None
+    # (7,) postures whose shoulder and wrist turn on the spot, by their poses, as they are met on strips
+    two_turns: dict[int, Array] = field(default_factory=dict)
     around: Surroundings | None = None  # what must not be touched; None for nothing
     # of each pose the (k, 3) intervals that strips may have, None for all; with `around`, those clear of it
     free: Sequence[Array | None] | None = None

@@ -27,6 +27,7 @@ from srs_ik.kernels.layout.path import (
     STRIP_LEAST,
 )
 from srs_ik.solve.path.problem import Problem, Stopped, Wall, Way
+from srs_ik.solve.path.search.singular import note_two_turns
 from srs_ik.system.arrays import Array
 
 BLOCK_NODES = 4 * MOST_NODES
@@ -56,6 +57,7 @@ class Block:
         """Its arrays, computed if they are not there."""
         if self.arrays is not None:
             return self.arrays
+        p = self.problem
         nodes, cost = np.empty((BLOCK_NODES, NODE)), np.empty(BLOCK_NODES)
         strips, ends = np.empty((BLOCK_STRIPS, STRIP)), np.zeros((BLOCK_POSES + 1, 4), np.int64)
         carried = -1
@@ -64,7 +66,6 @@ class Block:
             n, m = len(self.before.nodes), len(self.before.strips)
             nodes[:n], cost[:n], strips[:m] = self.before.nodes, self.before.cost, self.before.strips
             ends[0] = 0, n, 0, m
-        p = self.problem
         answer = (p.settings, p.limited, self.exact, nodes, cost, strips, ends)
         after, self.reached = entries.sweep(
             p.family,
@@ -86,6 +87,10 @@ class Block:
         if p.stop[0]:
             raise Stopped
         self.count = after - self.first
+        if p.arm.closed and p.free is None:
+            firsts = strips[ends[1, 2] : ends[self.count, 3], STRIP_FIRST].astype(np.int64)
+            poses = np.repeat(self.keys[self.first : after], np.diff(ends[: self.count + 1, 3]))
+            note_two_turns(p, poses, nodes[firsts, :NODE_PSI])
         self.arrays = nodes, cost, strips, ends
         return self.arrays
 

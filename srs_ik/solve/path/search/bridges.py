@@ -7,22 +7,15 @@ as wide as rounding, and none of it may be found. From each strip that ends, its
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
-from srs_ik.kernels.entries.kinematics import configuration_arm_angle
-from srs_ik.kernels.layout.limb import LIMITED, PHASE, SHOULDER, STRAIGHT, WRIST
-from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PSI, INVERSE_PERIOD, PERIOD
-from srs_ik.solve.path.problem import Problem, Way
+from srs_ik.kernels.layout.path import BY_CONTINUITY, INVERSE_PERIOD, PERIOD
+from srs_ik.solve.path.problem import Problem
 from srs_ik.solve.path.search.blocks import Block
-from srs_ik.solve.pose import solve_all
+from srs_ik.solve.path.search.singular import APART, held_rows
 from srs_ik.system.arrays import Array
-
-if TYPE_CHECKING:
-    from srs_ik.solve.packed import PackedArm
 
 MOST_STARTS = 24
 """So many postures of a pose are taken to the next one at most, ..."""
@@ -35,12 +28,6 @@ LOST = 0.4
 
 SPACING = 0.45
 """Farthest that a joint moves between two postures of a strip, rad."""
-
-ALIGNED = 1e-7
-"""Sine of a middle angle below which two joints turn about one axis."""
-
-APART = 1e-4
-"""Postures closer than this, rad, are one."""
 
 
 def bridged(problem: Problem) -> Problem:
@@ -72,47 +59,10 @@ def bridged(problem: Problem) -> Problem:
             if not len(reachable):
                 reachable = there
         before, first = block.carry(), first + block.count
-    held = _rows(problem.arm, np.vstack([np.empty((0, 7)), *found]))
+    held = held_rows(problem.arm, np.vstack([np.empty((0, 7)), *found]))
     if not len(held):
         return problem
     return replace(problem, held=held, held_of=np.repeat(np.arange(len(found)), [len(new) for new in found]))
-
-
-def flat_turns(problem: Problem, way: Way) -> NDArray[np.bool_]:
-    """(n,) where a straight elbow and either the shoulder or the wrist may turn on the spot, so that both may."""
-    arm, P = problem.arm, problem.arm.family[LIMITED]
-    if not arm.closed or problem.free is not None:
-        return np.zeros(len(way.q), np.bool_)
-    aligned = np.abs(np.sin(way.q[:, [1, 3, 5]] - P[[SHOULDER + PHASE, STRAIGHT, WRIST + PHASE]])) < ALIGNED
-    return aligned[:, 1] & (aligned[:, 0] ^ aligned[:, 2]) & way.reached & ~problem.has_known
-
-
-def with_turns(problem: Problem, way: Way, flat: NDArray[np.bool_], angles: Array) -> Problem:
-    """The problem with postures at arm angles (k,) from those of a path, of poses that a strip holds a line of alone.
-
-    There, postures have two freedoms. Each posture brings the turn of its shoulder or wrist along, as every held one.
-    """
-    rows, poses = [], []
-    for i in np.flatnonzero(flat):
-        for angle in angles:
-            found = solve_all(problem.arm, problem.T[i], float(way.psi[i] + angle), True)
-            same = [one for one in found if np.abs(one.q[[1, 3, 5]] - way.q[i, [1, 3, 5]]).max() < APART]
-            rows += [one.q for one in same[:1]]
-            poses += [i] * len(same[:1])
-    if not rows:
-        return problem
-    return replace(problem, held=_rows(problem.arm, np.array(rows)), held_of=np.array(poses))
-
-
-def _rows(arm: PackedArm, postures: Array) -> Array:
-    """(h, HELD) postures; singular ones, whose joints may turn, with their arm angles and branches."""
-    rows = np.zeros((len(postures), HELD))
-    rows[:, :HELD_PSI], rows[:, HELD_BRANCH] = postures, -1.0
-    P = arm.family[LIMITED]
-    middles = postures[:, [1, 5]] - P[[SHOULDER + PHASE, WRIST + PHASE]]
-    for i in np.flatnonzero((np.abs(np.sin(middles)) < ALIGNED).any(axis=1) & arm.closed):
-        rows[i, HELD_PSI : HELD_BRANCH + 1] = configuration_arm_angle(arm.family, postures[i])
-    return rows
 
 
 def _distances(problem: Problem, a: Array, b: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Paths where strips miss something: where they leap, and where an elbow and another joint turn on the spot at once."""
+"""Paths where strips miss something: where they leap, and where two of three joint groups turn on the spot at once."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ from numpy.typing import NDArray
 from srs_ik.kernels.layout.path import BREAK
 from srs_ik.solve.intervals import intervals
 from srs_ik.solve.path.problem import Problem, Way, steps_of, worth
-from srs_ik.solve.path.search.around import ABOUT, find_at, wider
+from srs_ik.solve.path.search.around import ABOUT, LEAST_HELD, find_at, wider
 from srs_ik.solve.path.search.blocks import find_way
-from srs_ik.solve.path.search.bridges import bridged, flat_turns, with_turns
+from srs_ik.solve.path.search.bridges import bridged
 from srs_ik.solve.path.search.polish import FINE, improve
+from srs_ik.solve.path.search.singular import two_turns, with_turns
 
 LEAP = 0.2
 """A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
 
-TURNS_OF_FLAT = np.linspace(-np.pi, np.pi, 64), *(np.linspace(-width, width, 21) for width in (0.2, 0.04, 0.008))
-"""Where a straight elbow and a shoulder or wrist turn on the spot, arm angles from those of the path, rad, in turn."""
+TURNS = np.linspace(-np.pi, np.pi, 64), *(np.linspace(-width, width, 21) for width in (0.2, 0.04, 0.008))
+"""Where two turn on the spot, angles of one of them from those of the path, rad, in turn."""
 
-MOST_FLAT = 64
+MOST_TURNED = 64
 """Of a path with more such poses, these take too long."""
 
 
@@ -69,14 +70,15 @@ def _within(problem: Problem, i: int) -> NDArray[np.float64]:
     return np.array([(each.branch, each.lower, each.upper) for each in found]).reshape(-1, 3)
 
 
-def turned_at_flat(problem: Problem, way: Way) -> Way:
-    """A path with other postures where a straight elbow and a shoulder or wrist turn on the spot, if it gets better."""
-    flat = flat_turns(problem, way)
-    for angles in TURNS_OF_FLAT if 0 < flat.sum() <= MOST_FLAT else ():
-        held = (way.reached & ~wider(flat, ABOUT)) | problem.has_known
-        local = with_turns(replace(problem, known=way.q.copy(), has_known=held), way, flat, angles)
+def turned_on_the_spot(problem: Problem, way: Way) -> Way:
+    """A path with other postures where two of shoulder, elbow and wrist turn on the spot, if it gets better."""
+    some = two_turns(problem, way)
+    for angles in TURNS if 0 < some.sum() <= MOST_TURNED else ():
+        held = way.reached & ~wider(some, ABOUT)
+        held = (held & (held.mean() >= LEAST_HELD)) | problem.has_known
+        local = with_turns(replace(problem, known=way.q.copy(), has_known=held), way, some, angles)
         way = held_and_improved(problem, way, local, held)
-        flat = flat_turns(problem, way)
+        some = two_turns(problem, way)
     return way
 
 

@@ -13,12 +13,13 @@ from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY
-from srs_ik.solve.path.problem import Problem, Way, copy, nothing_held, worth
+from srs_ik.solve.path.problem import ROUNDED, Problem, Way, copy, nothing_held, worth
 from srs_ik.solve.path.search.around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path.search.blocks import Block, find_way, gone_back, held_in, through
 from srs_ik.solve.path.search.bridges import bridged
 from srs_ik.solve.path.search.finer import fine_everywhere, finer, is_whole
-from srs_ik.solve.path.search.missed import is_odd, smoothed_leaps, turned_at_flat
+from srs_ik.solve.path.search.greedy import greedy_where_it_swings
+from srs_ik.solve.path.search.missed import is_odd, smoothed_leaps, turned_on_the_spot
 from srs_ik.solve.path.search.narrow import (
     Rest,
     costs_to_end,
@@ -31,12 +32,10 @@ from srs_ik.solve.path.search.narrow import (
 )
 from srs_ik.solve.path.search.on_curves import worth_of
 from srs_ik.solve.path.search.polish import FINE, ROUGHLY, WIDTHS, improve
+from srs_ik.solve.path.search.singular import side_by_side
 
 SHORT = 32
 """A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""
-
-ROUNDED = 1e-4
-"""Joints of a near limb that are off those of its nearest exact one by less than this, rad, are so by rounding."""
 
 DRAWN_OUT = 30.0
 """That limb is planned with limits drawn out by so many times this: else postures on two limits would be none of it."""
@@ -128,6 +127,16 @@ def close(problem: Problem, way: Way, keys: NDArray[np.int64] | None = None) -> 
 
 def planned(problem: Problem) -> Way:
     """`found` on the true chain, or on the nearest exact limb."""
+    problem = replace(problem, two_turns={})
+    way = planned_once(problem)
+    more = side_by_side(problem)
+    if more is not problem:
+        way = min(way, planned_once(more), key=lambda each: worth(problem, each))
+    return greedy_where_it_swings(problem, way)
+
+
+def planned_once(problem: Problem) -> Way:
+    """`planned` by the strips of a problem alone."""
     way, rest = planned_at_some(problem)
     if way is None:
         way = planned_everywhere(problem, problem)
@@ -135,7 +144,7 @@ def planned(problem: Problem) -> Way:
         way = min(planned_everywhere(problem, rest or problem, way), way, key=lambda each: worth(problem, each))
     elif is_odd(problem, way):
         way = smoothed_leaps(problem, way)
-    return turned_at_flat(problem, way)
+    return turned_on_the_spot(problem, way)
 
 
 def planned_at_some(problem: Problem) -> tuple[Way | None, Problem | None]:
