@@ -229,3 +229,20 @@ def test_through_singular_postures_a_path_from_anywhere_costs_no_more_than_a_kno
     found = load("iiwa14").solve_path(poses_of("iiwa14", motion))
     assert found
     assert (found.steps**2).sum() <= (np.diff(motion, axis=0) ** 2).sum()
+
+
+OUT_OF_SINGULAR = (
+    ([2.37, 0.0, 1.96, 1.7, -2.38, -2.05, -0.87], [2.31, -0.34, 1.23, 1.64, -1.97, -1.64, -1.06], 37),
+    ([2.4, -1.85, -1.94, 0.43, -0.19, 0.0, 0.98], [2.34, -1.11, -1.27, 0.15, -0.36, -0.72, 1.18], 36),
+    ([0.0, 0.0, 0.0, -1.2, 0.0, 0.0, 0.0], [0.5, 0.6, 0.1, -1.0, 0.2, 0.8, 0.1], 40),
+    ([0.0, 0.0, 0.0, 1.57, 0.0, 0.0, 0.0], [0.2, -0.3, 0.1, 1.2, 0.2, -0.4, 0.5], 40),
+)
+"""Straight joint lines that begin with a singular shoulder, wrist, or both, as at a home pose."""
+
+
+@pytest.mark.parametrize(("first", "last", "count"), OUT_OF_SINGULAR)
+def test_a_path_whose_end_is_given_begins_in_a_singular_posture_as_cheaply_as_a_known_motion(first, last, count):
+    arm, Q = load("iiwa14"), np.linspace(first, last, count)
+    path = arm.solve_path(arm.forward_kinematics_batch(Q), known={count - 1: Q[-1]})
+    assert path.breaks == []
+    assert (np.diff(path.q, axis=0) ** 2).sum() < 1.1 * (np.diff(Q, axis=0) ** 2).sum()

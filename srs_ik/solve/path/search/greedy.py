@@ -1,4 +1,4 @@
-"""A greedy path, from each posture to the nearest one of the next pose, where a path turns joints for nothing.
+"""A greedy path, from each posture to the nearest one of the next pose, where a path breaks or swings joints for nothing.
 
 At poses with a singular shoulder or wrist, strips may miss the posture that a path with short steps takes. The path
 found swings joints that the tip does not ask to move, by which it is known. The nearest posture of a pose is found in
@@ -48,11 +48,12 @@ def greedy_where_it_swings(problem: Problem, way: Way) -> Way:
 
 
 def may_swing(problem: Problem, way: Way) -> bool:
-    """Whether squared steps of a whole path are far above what the tip asks for, or two joints turn on the spot."""
+    """Whether a path breaks, its squared steps are far above what the tip asks for, or two joints turn on the spot."""
     is_exact = problem.arm.family[LIMITED, SHIFT] < ROUNDED and not problem.in_closed_form
-    if problem.free is not None or not is_exact or not way.reached.all() or problem.has_known.all():
+    if problem.free is not None or not is_exact or problem.has_known.all():
         return False
-    return share_asked(problem, way.q) * SWINGS < 1.0 or bool(two_turns(problem, way).any())
+    breaks = worth(problem, way)[0] > 0
+    return breaks or share_asked(problem, way.q) * SWINGS < 1.0 or bool(two_turns(problem, way).any())
 
 
 def share_asked(problem: Problem, q: Array) -> float:
@@ -80,9 +81,11 @@ def share_asked(problem: Problem, q: Array) -> float:
 def greedy(problem: Problem, way: Way, order: NDArray[np.int64]) -> Array | None:
     """(n, 7) the nearest posture of each pose to that before it, in an order that begins with the first of a path.
 
-    None where such steps come to far more than those of the path, or one is a break.
+    None where such steps come to far more than those of the path, if that has no break, or one is a break.
     """
     q, most = way.q.copy(), ROOM * float((steps_of(problem, way.q) ** 2).sum())
+    if worth(problem, way)[0] > 0:
+        most = np.inf
     if order[0] == 0 and problem.seed is not None and not put_nearest(problem, q, 0, problem.seed):
         return None
     for before, i in zip(order[:-1].tolist(), order[1:].tolist(), strict=True):
