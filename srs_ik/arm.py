@@ -64,6 +64,7 @@ class Arm(BodyOwner):
         upper: (7,) upper joint limits, rad; inf where continuous.
         velocity_limit: (7,) rad/s; inf where the description gives none.
         effort_limit: (7,) N m; inf where the description gives none.
+        acceleration_limit: (7,) rad/s^2; inf where none is given, by `load` or `with_limits`: descriptions have none.
         model: `pinocchio.Model` of the 7 joints.
         held_mass: mass of what the hand holds, which `model` has with joint 7, kg; 0 where none was given.
         locked: where other joints of the robot stand that were not locked at zero, by name, rad or m.
@@ -292,7 +293,8 @@ class Arm(BodyOwner):
                 end); its last pose is its first one.
             acceleration_limit: one for all joints, or (7,), rad/s^2, for the objective "time": the path is then passed
                 from rest to rest within both limits, at the `times` of the answer. That is the least time along the
-                path, and the path the best one of those that are best by each objective.
+                path, and the path the best one of those that are best by each objective. If not given, `acceleration_limit`
+                of the arm, where that has one.
             free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
                 and then each for its neighbours. It goes with neither known postures nor a closed path.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
@@ -331,7 +333,8 @@ class Arm(BodyOwner):
             dt: seconds between two updates, 1e-6 to 100.
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; inf for none, where a
-                joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.1 s.
+                joint still takes 0.05 s to its largest velocity; if not given, `acceleration_limit` of the arm, and for
+                joints without one, what brings it there in 0.1 s.
             elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, a point (3,) in
                 the base frame, m, such as a measured elbow, to which it comes as near as it can, a built-in `Objective`
                 of one value (no lexicographic one, no function of one's own) or its name ("limit_margin" for farthest
@@ -783,6 +786,7 @@ class Arm(BodyOwner):
         upper: ArrayLike | None = None,
         velocity: ArrayLike | None = None,
         effort: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
     ) -> Self:
         """This arm with other limits, tighter or wider; those not given stay. The arm itself stays as it is.
 
@@ -794,12 +798,14 @@ class Arm(BodyOwner):
             upper: (7,) upper ones; inf where there is none.
             velocity: (7,) limits of velocity, rad/s; inf where there is none.
             effort: (7,) limits of torque, N m; inf where there is none.
+            acceleration: (7,) limits of acceleration, rad/s^2, for trackers and for paths of the least time that are not
+                given others; inf where there is none.
 
         Raises:
-            InvalidRobot: limits are not seven numbers, a lower limit is above the upper one, or a velocity or effort
-                is not positive.
+            InvalidRobot: limits are not seven numbers, a lower limit is above the upper one, or a velocity, effort or
+                acceleration is not positive.
         """
-        given = {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}
+        given = {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort, "acceleration": acceleration}
         chain = changes.within_limits(self._chain, changes.by_joint(self.joint_names, given))
         return type(self)(chain, self.limb, self.name, self.hand, self.drawing, self.plan)
 

@@ -47,13 +47,15 @@ class ChainKinematics(Fixed):
         upper: (7,) upper joint limits, rad; inf where continuous.
         velocity_limit: (7,) rad/s; inf where the description gives none.
         effort_limit: (7,) N m; inf where the description gives none.
+        acceleration_limit: (7,) rad/s^2; inf where nobody gives one, as descriptions have none.
         model: `pinocchio.Model` of the 7 joints. Its root need not be `base`: poses here are those of
             `oMf[base].inverse() * oMf[tip]`.
         held_mass: mass of what the hand holds, which `model` has with joint 7, kg; see `Arm.with_object`.
     """
 
     _fixed = frozenset(
-        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "model", "held_mass")
+        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "acceleration_limit")
+        + ("model", "held_mass")
     )
 
     def __init__(self, chain: Chain, name: str) -> None:
@@ -65,6 +67,7 @@ class ChainKinematics(Fixed):
         self.upper = chain.upper
         self.velocity_limit = chain.velocity_limit
         self.effort_limit = chain.effort_limit
+        self.acceleration_limit = chain.acceleration_limit
         self.model = chain.model
         self.held_mass = chain.load
         self._locked = chain.locked

@@ -173,6 +173,36 @@ def test_limits_of_moveit_are_read_by_its_names():
         srs_ik.load("gen3", limits={"joint_2": {"max_speed": 1.0}})
 
 
+def test_accelerations_are_kept_by_trackers_paths_and_motions():
+    plain = load("iiwa14")
+    assert np.isinf(plain.acceleration_limit).all()
+    moveit = {"max_velocity": 0.5, "has_acceleration_limits": True, "max_acceleration": 1.0}
+    off = {"has_acceleration_limits": False, "max_acceleration": 0.0}
+    names = plain.joint_names
+    arm = srs_ik.load("iiwa14", limits={**dict.fromkeys(names[:6], moveit), names[6]: off})
+    np.testing.assert_array_equal(arm.acceleration_limit, [1.0] * 6 + [np.inf])
+    for again in (arm.with_tool(np.eye(4)), arm.with_limits(effort=[9.0] * 7), pickle.loads(pickle.dumps(arm))):
+        np.testing.assert_array_equal(again.acceleration_limit, arm.acceleration_limit)
+    q0 = np.array([0.1, 0.5, 0.2, -1.0, 0.3, 0.4, 0.5])
+    # The seventh joint has none: as before, what leads to its largest velocity in 0.1 s.
+    expected = [1.0] * 6 + [10.0 * plain.velocity_limit[6]]
+    np.testing.assert_allclose(arm.tracker(q0, 0.004).acceleration_limit, expected, rtol=1e-12)
+    np.testing.assert_array_equal(arm.tracker(q0, 0.004, acceleration=2.0).acceleration_limit, [2.0] * 7)
+    poses = arm.forward_kinematics_batch(q0 + np.linspace(0.0, 0.5, 20)[:, None] * [1.0, 0.4, 0.0, 0.7, 0.0, -0.3, 0.0])
+    limited = arm.with_limits(acceleration=[1.0] * 7)
+    given = limited.solve_path(poses, seed=q0, objective="time", acceleration_limit=1.0)
+    path = limited.solve_path(poses, seed=q0, objective="time")
+    np.testing.assert_array_equal(path.times, given.times)
+    # Changes of velocity from step to step, over half of the time of both.
+    for one, joints in ((path, slice(7)), (arm.solve_path(poses, seed=q0, objective="time"), slice(6))):
+        lasts = np.diff(one.times)
+        change = np.abs(np.diff(one.steps / lasts[:, None], axis=0)) / (0.5 * (lasts[:-1] + lasts[1:]))[:, None]
+        assert 0.5 < change[:, joints].max() <= 1.0 + 1e-6
+    assert limited.solve_path(poses, seed=q0).times is None
+    motion = limited.solve_path(poses, seed=q0, dt=0.05).trajectory()
+    assert np.abs(motion.sample(0.001)[3]).max() <= 1.0 + 1e-9
+
+
 def test_velocities_that_look_like_degrees_are_noticed():
     with pytest.warns(UserWarning, match="velocities are in rad/s, and joint 'joint_1' is given 90: are these degrees"):
         load("gen3").with_limits(velocity=[90.0] * 7)

@@ -144,6 +144,15 @@ def test_a_motion_is_written_with_velocities(tmp_path):
     assert np.abs(np.diff(figures[:, 8:], axis=0)).max() <= 8.0 * 0.004 * (1.0 + 1e-6)
     assert run("fk", "iiwa14", "--file", str(out)).exit_code == 0
     assert "goes with --dt or --acceleration" in run("path", "iiwa14", file, "--out", str(out), "--period", "1").stderr
+    least = ["--objective", "time", "--out", str(out), "--period", "0.004"]
+    assert "goes with --dt or --acceleration" in run("path", "iiwa14", file, *least).stderr
+    adapter = tmp_path / "robot.toml"
+    assert run("inspect", "iiwa14", "--write", str(adapter)).exit_code == 0
+    assert "acceleration = inf" in adapter.read_text()
+    limits = "".join(f"{name} = {{ acceleration = 8 }}\n" for name in arm.joint_names)
+    adapter.write_text(f"{adapter.read_text()}\n[limits]\n{limits}")
+    assert run("path", str(adapter), file, "--seed", *map(str, Q), *least).exit_code == 0
+    np.testing.assert_allclose(np.array(list(csv.reader(out.open()))[1:], float), figures, atol=1e-12)
     assert "--period is of the motion in --out" in run("path", "iiwa14", file, *words, "--period", "1").stderr
 
 

@@ -134,7 +134,9 @@ def path(
         (options["longest_step"],) = angles("--longest-step", [longest_step], unit)
     if acceleration is not None:
         options["acceleration_limit"] = [unit * each for each in _accelerations(acceleration, objective)]
-    if period is not None and (out is None or (dt is None and acceleration is None)):
+    # With --objective time the robot may have limits of acceleration itself.
+    timed = dt is not None or acceleration is not None or objective is Least.time
+    if period is not None and (out is None or not timed):
         raise WrongInput("--period is of the motion in --out, and goes with --dt or --acceleration")
     every = None if period is None else _positive("--period", period)
     refuse_onto(out, poses)
@@ -146,6 +148,8 @@ def path(
     arm = with_meshes(load(source, **chosen), meshes)
     if limits is not None:
         arm = arm.with_limits(velocity=limits)
+    if period is not None and dt is None and acceleration is None and min(arm.acceleration_limit) == math.inf:
+        raise WrongInput("--period goes with --dt or --acceleration, or with limits of acceleration of the robot")
     with at_work(f"a path through {len(T_base_tip)} poses"):
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found and every is None:
@@ -169,8 +173,9 @@ def path(
         fail(f"{poses}, line {lines[first.sample]}: {first.message}{more}")
     if found.velocity_use is not None and (found.velocity_use > 1.0).any():
         _tell_passed(arm, found, f"{poses}, line {lines[int(found.velocity_use.argmax()) + 1]}")
-    if out is not None and dt is not None and acceleration is not None:
-        warn(f"the times in {out} are those of --acceleration, not --dt apart")
+    if out is not None and dt is not None and found.times is not None:
+        whose = "--acceleration" if acceleration is not None else "the robot's limits of acceleration"
+        warn(f"the times in {out} are those of {whose}, not --dt apart")
 
 
 def _tell_passed(arm: Arm, found: PathSolution, place: str) -> None:

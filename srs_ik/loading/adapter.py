@@ -132,11 +132,11 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
     lines += ["# [mount]", "# xyz = [0.0, 0.0, 0.0]", "# rpy = [0.0, 0.0, 0.0]"]
     lines += ['# name = "table"  # of the new base frame; without it "world", or "world_2" where the robot has that']
     lines += ["# gravity = [0.0, 0.0, -9.81]  # in the room, m/s^2; without it, gravity turns with the arm"]
-    lines += ["", "# Limits as they are read, to be corrected (rad, rad/s, N m; inf for none):", "# [limits]"]
+    lines += ["", "# Limits as they are read, to be corrected (rad, rad/s, N m, rad/s^2; inf for none):", "# [limits]"]
     for k, joint in enumerate(arm.joint_names):
         figures = zip(
-            ("lower", "upper", "velocity", "effort"),
-            (arm.lower[k], arm.upper[k], arm.velocity_limit[k], arm.effort_limit[k]),
+            ("lower", "upper", "velocity", "effort", "acceleration"),
+            (arm.lower[k], arm.upper[k], arm.velocity_limit[k], arm.effort_limit[k], arm.acceleration_limit[k]),
             strict=True,
         )
         values = ", ".join(f"{key} = {_number(value)}" for key, value in figures)

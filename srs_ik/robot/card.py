@@ -29,7 +29,7 @@ _TEXTS = re.compile(
 _TOO_DOTTED = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{bounds.CARD_KEYS}}}")
 
 _SIDES = ("left", "right", "either")
-_LIMITS = ("lower", "upper", "velocity", "effort")
+_LIMITS = ("lower", "upper", "velocity", "effort", "acceleration")
 _UNIT_TOLERANCE = 1e-9
 """How far a direction may be from unit length, or two of them from a right angle; wide enough for 10 written digits."""
 

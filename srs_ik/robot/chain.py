@@ -40,6 +40,7 @@ class Chain(ReadOnlyArrays):
     upper: Vector  # (7,) upper joint limits, rad; inf where continuous
     velocity_limit: Vector  # (7,) rad/s; inf where not given, which a URDF also says by 0 or a negative figure
     effort_limit: Vector  # (7,) N m; inf where not given
+    acceleration_limit: Vector  # (7,) rad/s^2; inf where not given, which no description says
     locked: Mapping[str, float]  # other joints that are not locked at their neutral position: where they are, rad or m
     # other joints between base and tip: where they are, as in a configuration of Pinocchio
     between: Mapping[str, tuple[float, ...]]
@@ -86,6 +87,7 @@ def build_chain(
         upper=upper,
         velocity_limit=_given_or_infinite(reduced.velocityLimit),
         effort_limit=_given_or_infinite(reduced.effortLimit),
+        acceleration_limit=np.full(7, np.inf),
         locked=dict(locked or {}),
         between={model.names[joint]: _part(model.joints[joint], configuration) for joint in between},
     )

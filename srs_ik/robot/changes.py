@@ -16,7 +16,13 @@ from srs_ik.robot.chain import Chain, unlimited_if_huge
 from srs_ik.robot.limb import Vector
 from srs_ik.system import bounds
 
-_LIMITS = {"lower": "lower", "upper": "upper", "velocity": "velocity_limit", "effort": "effort_limit"}
+_LIMITS = {
+    "lower": "lower",
+    "upper": "upper",
+    "velocity": "velocity_limit",
+    "effort": "effort_limit",
+    "acceleration": "acceleration_limit",
+}
 """What a limit is called in an adapter, and in a chain."""
 
 _OF_MOVEIT = {
@@ -24,15 +30,16 @@ _OF_MOVEIT = {
     "max_position": ("upper", "has_position_limits"),
     "max_velocity": ("velocity", "has_velocity_limits"),
     "max_effort": ("effort", "has_effort_limits"),
+    "max_acceleration": ("acceleration", "has_acceleration_limits"),
 }
 """What MoveIt's joint_limits.yaml calls them, and what says there whether they count."""
 
 _LEFT_OUT = {
     f"{prefix}_{what}{end}"
-    for what in ("acceleration", "deceleration", "jerk")
+    for what in ("deceleration", "jerk")
     for prefix, end in (("has", "_limits"), ("min", ""), ("max", ""))
-} | {"angle_wraparound"}
-"""What else stands there: paths and trackers are given accelerations and jerks themselves."""
+} | {"min_acceleration", "angle_wraparound"}
+"""What else stands there: joints slow down as fast as they speed up, and trackers are given jerks themselves."""
 
 FASTEST = 30.0
 """Faster joints, rad/s, get a warning: theirs may be degrees."""
@@ -98,15 +105,15 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]], other
 
     Args:
         chain: the chain, which stays as it is.
-        limits: for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s) and "effort" (N m) that
-            change; or as MoveIt's joint_limits.yaml has them ("max_velocity" with "has_velocity_limits" ...), whose
-            accelerations and jerks are left out.
+        limits: for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s), "effort" (N m) and
+            "acceleration" (rad/s^2) that change; or as MoveIt's joint_limits.yaml has them ("max_velocity" with
+            "has_velocity_limits" ...), whose decelerations and jerks are left out.
         others: other joints of the robot. Limits for them are left out beside those for joints of the chain: a file has
             them for both arms, and for grippers.
 
     Raises:
         InvalidRobot: limits are no mapping of mappings, a joint or limit of that name does not exist, a limit is no
-            number, lower is above upper, or a velocity or effort is not positive.
+            number, lower is above upper, or a velocity, effort or acceleration is not positive.
     """
     arrays: dict[str, Any] = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
     if not isinstance(limits, Mapping) or not all(isinstance(changes, Mapping) for changes in limits.values()):
@@ -135,8 +142,9 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]], other
         if not (lower <= upper and lower < np.inf and upper > -np.inf):
             raise InvalidRobot(f"joint {joint!r} has the lower limit {lower} and the upper limit {upper}, no range")
         arrays["lower"][k], arrays["upper"][k] = lower, upper
-        if not min(arrays["velocity_limit"][k], arrays["effort_limit"][k]) > 0.0:
-            raise InvalidRobot(f"velocity and effort of joint {joint!r} must be positive; inf where there is no limit")
+        for key in ("velocity", "effort", "acceleration"):
+            if not arrays[_LIMITS[key]][k] > 0.0:
+                raise InvalidRobot(f"the {key} of joint {joint!r} must be positive; inf where there is no limit")
     _warn_of_fast_joints(chain, arrays["velocity_limit"])
     model = pin.Model(chain.model)
     for k in range(7):

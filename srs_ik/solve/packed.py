@@ -57,6 +57,7 @@ class PackedArm:
     lower: Vector  # (7,) lower joint limits, rad; -inf where continuous
     upper: Vector  # (7,) upper joint limits, rad; inf where continuous
     velocity_limit: Vector  # (7,) rad/s; inf where the description gives none
+    acceleration_limit: Vector  # (7,) rad/s^2; inf where nobody gives one
     family: Vector  # (4, SIZE) the packed limb, see `pack_family`
     hand: Vector  # (HAND,) the packed hand, see `pack_hand`
     weights: Vector  # (WEIGHTS,) the packed masses, see `pack_weights`
@@ -81,6 +82,7 @@ def pack_arm(arm: ChainKinematics, limb: SrsLimb, hand: Hand | None) -> PackedAr
         lower=arm.lower,
         upper=arm.upper,
         velocity_limit=arm.velocity_limit,
+        acceleration_limit=arm.acceleration_limit,
         family=family,
         hand=pack_hand(limb, hand),
         weights=pack_weights(arm),

@@ -127,10 +127,11 @@ def _alone(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
     return PathSolution(rows, arm.joint_names, steps, breaks_of(planned, way, rows, steps), arm.elbow, problem=planned)
 
 
-def _acceleration(limit: ArrayLike | None, objective: str) -> Array | None:
-    """(7,) limits of joint accelerations, if any are given."""
+def _acceleration(arm: PackedArm, limit: ArrayLike | None, objective: str) -> Array | None:
+    """(7,) limits of joint accelerations, if any are given, here or with the arm."""
     if limit is None:
-        return None
+        known = objective == TIME and np.isfinite(arm.acceleration_limit).any()
+        return np.minimum(arm.acceleration_limit, MOST_ACCELERATION) if known else None
     if objective != TIME:
         raise InvalidConfiguration(f"acceleration_limit goes with objective={TIME!r}, not with {objective!r}")
     return per_joint(limit, "acceleration_limit", MOST_ACCELERATION)
@@ -147,7 +148,7 @@ def problem_of(arm: PackedArm, T: Array, terms: Terms) -> Problem:
     none = np.zeros((n, 7)), np.zeros(n, np.bool_), np.zeros((n, 7))
     problem = Problem(arm, T, start, settings, terms.dt is not None, *none, objective=objective)
     problem.dt = terms.dt
-    problem.acceleration = _acceleration(terms.acceleration_limit, objective)
+    problem.acceleration = _acceleration(arm, terms.acceleration_limit, objective)
     return problem
 
 

@@ -147,7 +147,8 @@ class PathSolution(BatchSolution):
                 "give solve_path dt=, or objective='time' with acceleration_limit="
             )
         _warn_of_a_start_elsewhere(problem, self.q[0])
-        arm, pushes = problem.arm, np.full(7, np.inf) if problem.acceleration is None else problem.acceleration
+        arm = problem.arm
+        pushes = arm.acceleration_limit if problem.acceleration is None else problem.acceleration
         q = np.vstack([self.q[:1], self.q[0] + np.cumsum(self.steps, axis=0)])
         return Trajectory(q, times, stands(problem.T), (arm.lower, arm.upper), (arm.velocity_limit, pushes))
 

@@ -102,7 +102,8 @@ class Tracker(Fixed):
                 f"not {self.dt:g}"
             )
         self.velocity_limit = _limits(velocity, packed, "velocity", packed.velocity_limit)
-        usual = self.velocity_limit / FULL_SPEED_IN
+        known = packed.acceleration_limit
+        usual = np.where(np.isfinite(known), known, self.velocity_limit / FULL_SPEED_IN)
         self.acceleration_limit = _limits(acceleration, packed, "acceleration", usual, endless=True)
         self._settings = np.zeros(at.SETTINGS + PARAMS)
         self._settings[at.PERIOD] = self.dt
