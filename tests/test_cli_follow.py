@@ -172,3 +172,30 @@ def degrees_of(folder, file):
         csv.writer(turned).writerow(next(rows))
         csv.writer(turned).writerows([*row[:3], *(float(x) * 180.0 / np.pi for x in row[3:])] for row in rows)
     return str(folder / "degrees.csv")
+
+
+@pytest.mark.parametrize("cell", ["nan", ""])
+@pytest.mark.parametrize("timed", [True, False])
+def test_lost_targets_of_a_log_are_nan_or_empty(tmp_path, cell, timed):
+    """As pandas writes them; a line that has nothing else is a period all the same."""
+    file, poses = targets(tmp_path / "poses.csv")
+    header, *lines = (tmp_path / "poses.csv").read_text().splitlines()
+    lines = [line.replace("nan", cell) for line in lines]
+    if timed:
+        header, lines = f"t,{header}", [f"{0.01 * k},{line}" for k, line in enumerate(lines)]
+    (tmp_path / "poses.csv").write_text("\n".join([header, *lines, "", ""]))
+    out = tmp_path / "out.csv"
+    words = ["follow", "iiwa14", file, "--dt", "0.01", "--q", *map(str, Q), "--out", str(out)]
+    assert run(*words).exit_code == 0
+    tracker = srs_ik.load("iiwa14").tracker(Q, 0.01)
+    statuses = [str(tracker.update(T).status) for T in poses]
+    assert [row["status"] for row in csv.DictReader(out.open())] == statuses
+    assert statuses.count("HELD") == 2
+
+
+def test_a_target_that_is_lost_in_part_is_refused(tmp_path):
+    file = tmp_path / "poses.csv"
+    file.write_text("x,y,z,roll,pitch,yaw\n0.5,,0.6,0,nan,0\n")
+    said = run("follow", "iiwa14", str(file), "--dt", "0.01")
+    assert said.exit_code == 2
+    assert "line 2: there is no y, pitch; where a target was lost, all of its columns are empty, or nan" in said.stderr

@@ -356,3 +356,14 @@ def test_times_by_accelerations_are_told_where_dt_is_given_too(tmp_path):
     assert told.stderr.count("\n") == 1
     assert "--acceleration, not --dt" in told.stderr
     assert run("path", "iiwa14", file, *words).stderr == ""
+
+
+def test_a_first_line_that_names_no_columns_is_told(tmp_path):
+    file = tmp_path / "poses.csv"
+    file.write_text("made by me\nx,y,z,roll,pitch,yaw\n0.5,0.1,0.6,0,1.57,0\n")
+    said = run("path", "iiwa14", str(file))
+    assert said.exit_code == 2
+    assert "line 1: columns are to be named here, such as x, y, z, roll, pitch, yaw, not 'made by me'" in said.stderr
+    assert "comments begin with #" in said.stderr
+    file.write_text(f"# {file.read_text()}")
+    assert run("path", "iiwa14", str(file)).exit_code == 0

@@ -3,6 +3,8 @@
 import base64
 import json
 import shutil
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 
 import arms
@@ -496,3 +498,18 @@ def test_points_are_three_figures_each(made, points):
     chart = made[0]
     with pytest.raises(srs_ik.InvalidPose):
         chart.share(points)
+
+
+def test_maps_are_made_and_read_where_the_system_has_no_locks(tmp_path):
+    """Such as Windows, whose Python has no fcntl."""
+    code = f"""
+import sys
+sys.modules["fcntl"] = None
+import srs_ik
+arm = srs_ik.load("iiwa14")
+pose = arm.forward_kinematics([0.1, 0.5, 0.2, -1.0, 0.3, 0.4, 0.5]).homogeneous
+print(srs_ik.build_map(arm, step=0.5, path={str(tmp_path / "map")!r}, orientations=12).done == 1.0)
+print(srs_ik.base_placement(arm, [pose], [srs_ik.pose_from_xyz_rpy([0, 0, 0], [0, 0, 0])]).share[0] == 1.0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600)
+    assert done.stdout.split() == ["True", "True"], done.stderr

@@ -705,3 +705,30 @@ def test_how_much_of_the_velocity_limits_a_path_takes_is_told():
         expected = (np.abs(np.diff(path.q, axis=0)) / (dt * arm.velocity_limit)).max(axis=1)
         np.testing.assert_allclose(path.velocity_use, expected, rtol=1e-9)
         assert ("times the velocity limits" in repr(path)) == bool((expected > 1.0 + 1e-9).any())
+
+
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("options", [{}, {"objective": "time"}, {"closed": True}, {"free_axis": [0, 0, 1]}])
+def test_a_path_that_stays_is_as_far_from_the_limits_as_its_pose_lets_it(count, options):
+    """All postures cost the same there."""
+    arm = load("iiwa14")
+    pose = srs_ik.pose_from_xyz_rpy([0.5, 0.1, 0.6], [0.0, np.pi / 2.0, 0.0])
+    path = arm.solve_path([pose] * count, **options)
+    assert path
+    assert np.ptp(path.q, axis=0).max() < 1e-9
+    free = {key: options[key] for key in options if key == "free_axis"}
+    best = arm.solve(pose, **free).q
+    margins = [np.minimum(q - arm.lower, arm.upper - q).min() for q in (path.q[0], best)]
+    assert margins[0] == pytest.approx(margins[1], abs=1e-6)
+    assert margins[1] > 0.5
+
+
+def test_a_path_that_stays_in_a_scene_hits_nothing_and_is_far_from_the_limits():
+    arm, scene = load("iiwa14"), srs_ik.Scene()
+    pose = srs_ik.pose_from_xyz_rpy([0.5, 0.1, 0.6], [0.0, np.pi / 2.0, 0.0])
+    scene.add_sphere("ball", arm.centres(arm.solve(pose).q).elbow, 0.1)
+    path, best = arm.solve_path([pose] * 3, scene=scene), arm.solve(pose, scene=scene)
+    assert path
+    assert arm.collision(path.q[0], scene=scene) is None
+    margins = [np.minimum(q - arm.lower, arm.upper - q).min() for q in (path.q[0], best.q)]
+    assert margins[0] == pytest.approx(margins[1], abs=1e-6)

@@ -3,6 +3,8 @@
 Errors are Pinocchio's, on the robot's own file; what no turn reaches is found by a dense sweep of them.
 """
 
+import warnings
+
 import arms
 import numpy as np
 import pinocchio as pin
@@ -254,3 +256,42 @@ def test_joints_come_to_rest_where_a_target_at_rest_is_out_of_reach_as_close_as_
         # A radian that brings the tip closer by less than 0.1 mm is not worth it; these are of 0.1 rad at most.
         assert nearest > miss_of(forward(step.q), target, free, reach) - 1e-5
     assert missed
+
+
+def test_at_rest_off_the_target_the_joint_is_one_that_stands_at_its_limit():
+    """None is behind any more then. Limits are looked at anew, and the arm rests as joint angles tell."""
+    arm, rng = arms.load("iiwa14"), np.random.default_rng(3)
+    lower, upper = inside(arm)
+    told = set()
+    for k in range(40):
+        q0, q = lower + (upper - lower) * np.array([rng.uniform(0.2, 0.8, 7), rng.uniform(0.0, 1.0, 7)])
+        T = arm.forward_kinematics(q)
+        T.translation = T.translation * (1.15 if k % 2 else 1.0)
+        tracker = arm.tracker(q0, DT)
+        steps = [tracker.update(T) for _ in range(600)]
+        last = steps[-1]
+        if last or np.abs(last.q - steps[-10].q).max() > 1e-6:
+            continue
+        left = np.minimum(last.q - arm.lower, arm.upper - last.q)
+        assert last.joint == (arm.joint_names[int(left.argmin())] if left.min() < 1e-3 else None)
+        told.add(last.joint)
+    assert None in told
+    assert len(told) > 3
+
+
+def test_joints_that_are_fed_back_before_every_update_are_warned_of_once():
+    arm = arms.load("iiwa14")
+    q0 = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    T = arm.forward_kinematics(q0)
+    tracker, q = arm.tracker(q0, DT), q0
+    with pytest.warns(UserWarning, match="do not feed measured joints back") as told:
+        for k in range(100):
+            T.translation += [0.0, 1e-3 * np.cos(0.1 * k), 0.0]
+            tracker.reset(q)
+            q = tracker.update(T).q
+    assert len(told) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(50):
+            tracker.reset(q0)
+            assert [tracker.update(T) for _ in range(2)]

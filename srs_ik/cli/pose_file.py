@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srs_ik.cli.options import WrongInput, is_number, warn
+from srs_ik.errors import quoted
 from srs_ik.cli.poses import warn_of_degrees
 from srs_ik.system.writing import write_whole
 
@@ -63,11 +64,12 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
 
 
 def read_targets(path: Path, unit: float, period: float) -> list[np.ndarray | None]:
-    """The poses of a CSV file as `read_poses` gives and refuses them, one a period; None for a line of nan.
+    """The poses of a CSV file as `read_poses` gives and refuses them, one a period; None for a line of nan or of nothing.
 
-    A line on standard error says so if the file has times of its own that are not a period apart.
+    Lines of empty cells are none that are left out: a log that is written by pandas has them where a target was lost. A
+    line on standard error says so if the file has times of its own that are not a period apart.
     """
-    table = read_table(path, (*POSITION, *RPY))
+    table = read_table(path, (*POSITION, *RPY), empty_cells=True)
     _warn_of_times(path, table, period)
     return _poses(path, table, unit, lost=True)[0]
 
@@ -88,7 +90,7 @@ def _warn_of_times(path: Path, table: list[tuple[int, list[str]]], period: float
 def _poses(
     path: Path, table: list[tuple[int, list[str]]], unit: float, lost: bool
 ) -> tuple[list[np.ndarray | None], list[int]]:
-    """The poses of a table and their lines; where targets may be lost, None for a line of nan."""
+    """The poses of a table and their lines; where targets may be lost, None for a line of nan or of nothing."""
     from srs_ik.errors import InvalidPose
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_of_xyz_rpy
 
@@ -96,10 +98,14 @@ def _poses(
     poses: list[np.ndarray | None] = []
     lines, largest = [], 0.0
     for line, row in table[1:]:
-        if lost and all(_is_nan(row, index) for index in columns.values()):
+        missing = [name for name, index in columns.items() if _is_missing(row, index)] if lost else []
+        if len(missing) == len(columns):
             poses.append(None)
             lines.append(line)
             continue
+        if missing:
+            said = f"{path}, line {line}: there is no {', '.join(missing)}"
+            raise WrongInput(f"{said}; where a target was lost, all of its columns are empty, or nan")
         values = list(figures(f"{path}, line {line}", row, columns))
         position, orientation = values[:3], values[3:]
         try:
@@ -119,15 +125,16 @@ def _poses(
     return poses, lines
 
 
-def _is_nan(row: Sequence[str], index: int) -> bool:
-    """Whether a cell says that it is no number."""
-    return index < len(row) and row[index].strip().lower() == "nan"
+def _is_missing(row: Sequence[str], index: int) -> bool:
+    """Whether a cell says that it has no number."""
+    return index < len(row) and row[index].strip().lower() in ("nan", "")
 
 
-def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]]:
+def read_table(path: Path, columns: Sequence[str], empty_cells: bool = False) -> list[tuple[int, list[str]]]:
     """The lines of a CSV file that are not empty, each with its number; the first names its columns, such as these.
 
     Lines that begin with # are comments; the last one above figures names their columns, as `numpy.savetxt` writes it.
+    Lines of empty cells below the header count only where that is said.
 
     Raises:
         WrongInput: no text, no CSV, or nothing in it.
@@ -139,10 +146,11 @@ def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]
         raise WrongInput(f"{path} is no text file") from None
     reader = csv.reader(text.splitlines(), skipinitialspace=True)
     try:
-        table = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+        table = [(reader.line_num, row) for row in reader if len(row) > 1 or any(cell.strip() for cell in row)]
     except csv.Error as error:
         raise WrongInput(f"{path}, line {reader.line_num}: {error}") from None
     table = _without_comments(table)
+    table = [each for k, each in enumerate(table) if (k and empty_cells) or any(cell.strip() for cell in each[1])]
     if not table:
         raise WrongInput(f"{path} is empty: its first line names the columns {', '.join(columns)}")
     first, header = table[0]
@@ -151,6 +159,9 @@ def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]
             raise WrongInput(f"{path}, line {first}: columns are separated by commas, not by {name}")
     for line, row in table[1:]:
         if any(cell.strip() for cell in row[len(header) :]):
+            if len(header) == 1:
+                said = f"{path}, line {first}: columns are to be named here, such as {', '.join(columns)}"
+                raise WrongInput(f"{said}, not {quoted(header[0].strip())}; comments begin with #")
             raise WrongInput(
                 f"{path}, line {line}: there are {len(row)} columns and names for {len(header)}; "
                 "decimals have points, not commas, and text with commas stands in quotes"

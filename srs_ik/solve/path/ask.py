@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
+from srs_ik.errors import InvalidConfiguration, InvalidPose, MissingLimits, quoted
 from srs_ik.inputs.angles import as_joint_vector, as_seed
 from srs_ik.inputs.numbers import as_positive, per_joint
 from srs_ik.inputs.poses import as_matrices
@@ -28,7 +28,7 @@ from srs_ik.kernels.layout.path import (
 from srs_ik.solve.free_splits import free_splits
 from srs_ik.solve.path.breaks import breaks_of
 from srs_ik.solve.path.many_turns import in_fewest_turns
-from srs_ik.solve.path.problem import OBJECTIVES, SUM_OF_SQUARES, TIME, Problem, Way, copy, worth
+from srs_ik.solve.path.problem import OBJECTIVES, SUM_OF_SQUARES, TIME, Problem, Way, copy, stands, worth
 from srs_ik.solve.path.rows import joint_steps, off_poses, on_straight_lines, rows_of
 from srs_ik.solve.path.search.aims import best
 from srs_ik.solve.path.search.aims import closed as closed_way
@@ -101,12 +101,29 @@ def solve_path(
     problem.known, problem.has_known = given, has_given
     if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
         raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
+    if problem.seed is None and not has_given.any() and stands(T).all():
+        _hold_roomiest(problem, around)
     find = closed_way if closed else best
     if around is None:
         return _alone(problem, find)
     from srs_ik.solve.in_scene.path import keep_clear
 
     return keep_clear(replace(problem, around=around), lambda: _alone(problem, find), find)
+
+
+def _hold_roomiest(problem: Problem, around: Surroundings | None) -> None:
+    """Begin a path of one pose alone, where every posture costs the same, in the one that is farthest from its limits."""
+    try:
+        if around is None:
+            found = solve(problem.arm, problem.T[0])
+        else:
+            from srs_ik.solve.in_scene.pose import solve as solve_clear
+
+            found = solve_clear(around, problem.T[0], None, None, -1, True)
+    except InvalidPose:
+        return  # the search says which pose it is
+    if found:
+        problem.known[0], problem.has_known[0] = found.q, True
 
 
 def _alone(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
@@ -155,11 +172,15 @@ def problem_of(arm: PackedArm, T: Array, terms: Terms) -> Problem:
 def _free(arm: PackedArm, T: Array, terms: Terms, free_axis: Any, around: Surroundings | None) -> PathSolution:
     """A path through poses that leave a turn free."""
     from srs_ik.inputs.freedom import as_free_axis
+    from srs_ik.solve.freedom import solve as solve_alone
     from srs_ik.solve.path.free.sampled import solve_free_path
 
     problem, free = problem_of(arm, T, terms), as_free_axis(free_axis)
     if not len(T):
         return _of_no_poses(arm)
+    if problem.seed is None and around is None and stands(T).all():
+        still = solve_alone(arm, T[0], free, None, True)
+        problem.seed = still.q if still else None
     found = solve_free_path(problem, free, lambda whole: solve_path(arm, whole, terms))
     if around is not None:
         from srs_ik.solve.in_scene.free_path import keep_clear

@@ -30,15 +30,22 @@ class TrackerStatus(StrEnum):
 
 _STATUSES = tuple(TrackerStatus)
 
+RESTS = 1e-3
+"""An arm all of whose joints are slower than this, rad/s, stays where it is."""
+
+AT_LIMIT = 1e-3
+"""A joint this close to its limit, rad, stands at it."""
+
 
 class TrackerStep:
     """What a tracker answers to one update; the joint angles are to be sent to the robot for the end of the period."""
 
-    __slots__ = ("_joint_names", "_row")
+    __slots__ = ("_joint_names", "_limits", "_row")
 
-    def __init__(self, row: Array, joint_names: Sequence[str]) -> None:
+    def __init__(self, row: Array, joint_names: Sequence[str], limits: tuple[Array, Array]) -> None:
         self._row = row
         self._joint_names = joint_names
+        self._limits = limits
 
     @property
     def q(self) -> Array:
@@ -62,9 +69,20 @@ class TrackerStep:
 
     @property
     def joint(self) -> str | None:
-        """Name of the joint that is farthest behind, by its speed; None with the tip on the target."""
+        """Name of the joint that is farthest behind, by its speed; None with the tip on the target.
+
+        Where the arm rests off the target, no joint is behind: then the one that stands at its limit, if any does.
+        """
         number = int(self._row[at.STEP_JOINT])
+        if number and self._rests():
+            lower, upper = self._limits
+            left = np.minimum(self.q - lower, upper - self.q)
+            number = 1 + int(left.argmin()) if left.min() < AT_LIMIT else 0
         return self._joint_names[number - 1] if number else None
+
+    def _rests(self) -> bool:
+        """Whether the arm stays where it is, off the target."""
+        return bool(self._row[at.STEP_STATUS] >= at.HELD and np.abs(self.velocity).max() < RESTS)
 
     @property
     def position_error(self) -> float:
@@ -98,7 +116,8 @@ class TrackerStep:
             return f"Only another configuration reaches the target, {away} away: reconfigure() goes there."
         if reason == at.OUT_OF_REACH:
             return f"The target is out of reach: the tip stays {away} away."
-        return f"No posture inside the joint limits reaches the target: the tip stays {away} away."
+        stops = f", and {self.joint} stands at its limit" if self.joint and self._rests() else ""
+        return f"No posture inside the joint limits reaches the target: the tip stays {away} away{stops}."
 
     def as_dict(self) -> dict[str, float]:
         """Joint angles by joint name, rad, in the order of the joints."""

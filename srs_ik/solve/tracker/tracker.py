@@ -57,6 +57,9 @@ PATIENCE = 0.05
 """Time constant, seconds, in which a target that is lost is expected to slow down."""
 
 
+FED_BACK = 20
+"""So many resets, each after a single update, are a loop that feeds measured joints back."""
+
 TOGETHER = 1e-6
 """With limits of the jerk, joints this close to where they should be, rad, are there."""
 
@@ -122,7 +125,8 @@ class Tracker(Fixed):
             self._settings[at.FREE : at.SETTINGS] = self.free_axis.packed
         self.elbow = elbow
         self.smoothing = smoothing
-        self.reset(q0)
+        self._resets_in_a_row = 0
+        self._reset(as_joint_vector(q0, "q0"))
 
     @property
     def q(self) -> Array:
@@ -171,7 +175,7 @@ class Tracker(Fixed):
         return float(self._state[at.NOISE]), float(self._state[at.NOISE + 1])
 
     def reset(self, q0: ArrayLike) -> None:
-        """Begin anew, at rest.
+        """Begin anew, at rest: after a stop, or where the robot was moved otherwise, and not before every update.
 
         Args:
             q0: (7,) joint angles, rad.
@@ -180,6 +184,12 @@ class Tracker(Fixed):
             InvalidConfiguration: not 7 finite angles, or one outside its limits.
         """
         with self._one:
+            self._resets_in_a_row = self._resets_in_a_row + 1 if self._state[at.TICK] == 1.0 else 0
+            if self._resets_in_a_row == FED_BACK:
+                warn_caller(
+                    "reset before every update makes the arm begin at rest each time, and fall behind: "
+                    "do not feed measured joints back, a tracker knows where it has sent them"
+                )
             self._reset(as_joint_vector(q0, "q0"))
 
     def _reset(self, q: Array) -> None:
@@ -228,7 +238,7 @@ class Tracker(Fixed):
                 self._ask(out)
         if self._jerk is not None:
             self._send(self._jerk, out, None if pose is None else T)
-        return TrackerStep(out, self._packed.joint_names)
+        return TrackerStep(out, self._packed.joint_names, (self._packed.lower, self._packed.upper))
 
     def _choose_elbow(self, choose: Choose) -> None:
         """Ask for the arm angle that suits the elbow's policy now and then, while the tip is on the target."""
