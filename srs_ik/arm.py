@@ -293,8 +293,8 @@ class Arm(BodyOwner):
                 end); its last pose is its first one.
             acceleration_limit: one for all joints, or (7,), rad/s^2, for the objective "time": the path is then passed
                 from rest to rest within both limits, at the `times` of the answer. That is the least time along the
-                path, and the path the best one of those that are best by each objective. If not given, `acceleration_limit`
-                of the arm, where that has one.
+                path, and the path the best one of those that are best by each objective. If not given, those of the
+                arm, where it has any.
             free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
                 and then each for its neighbours. It goes with neither known postures nor a closed path.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
@@ -798,8 +798,8 @@ class Arm(BodyOwner):
             upper: (7,) upper ones; inf where there is none.
             velocity: (7,) limits of velocity, rad/s; inf where there is none.
             effort: (7,) limits of torque, N m; inf where there is none.
-            acceleration: (7,) limits of acceleration, rad/s^2, for trackers and for paths of the least time that are not
-                given others; inf where there is none.
+            acceleration: (7,) limits of acceleration, rad/s^2, for trackers and paths of the least time that get no others;
+                inf where there is none.
 
         Raises:
             InvalidRobot: limits are not seven numbers, a lower limit is above the upper one, or a velocity, effort or

@@ -54,8 +54,8 @@ class ChainKinematics(Fixed):
     """
 
     _fixed = frozenset(
-        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "acceleration_limit")
-        + ("model", "held_mass")
+        {"name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "acceleration_limit"}
+        | {"model", "held_mass"}
     )
 
     def __init__(self, chain: Chain, name: str) -> None:

@@ -1,6 +1,7 @@
 """MJCF files against MuJoCo itself, and by name what is refused."""
 
 import os
+import warnings
 
 import numpy as np
 import pinocchio as pin
@@ -338,3 +339,28 @@ def test_the_lesser_of_joint_and_actuators_limits_the_effort(tmp_path):
     text = arm('limited="true" range="-2 2"', before=never, after=f"<actuator>{motor}</actuator>")
     with pytest.raises(InvalidRobot, match="has a ctrlrange but no ctrllimited"):
         load_model(write({"main.xml": text}, tmp_path))
+
+
+@pytest.mark.parametrize("ref", [0.0, 0.2])
+@pytest.mark.parametrize("coefficients", ['polycoef="0.3 0 0 0 0"', 'polycoef="-0.25"', 'polycoef=""', ""])
+def test_a_joint_that_an_equality_holds_stands_there(coefficients, ref, tmp_path):
+    """Under the base: MuJoCo's own constraint, at the position where nothing is left of it, tells where."""
+    slide = f'<joint name="slide" type="slide" axis="1 0 0" range="-1 1" ref="{ref}"/><geom size="0.01" mass="1"/>'
+    text = arm(after=f'<equality><joint joint1="slide" {coefficients}/></equality>')
+    text = text.replace("<worldbody>", f'<worldbody><body name="b0" pos="1 0 0">{slide}', 1)
+    path = write({"main.xml": text.replace("</worldbody>", "</body></worldbody>")}, tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    q = np.array([0.3, 0.4, -0.2, 1.0, 0.5, -0.6, 0.7])
+    held = ref + model.eq_data[0, 0]
+    data.qpos[:] = [held, *q]
+    mujoco.mj_forward(model, data)
+    assert abs(data.efc_pos[: data.ne]).max() < 1e-12
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        limb = srs_ik.load(path, base="world", tip="l7")
+    np.testing.assert_allclose(limb.forward_kinematics(q).translation, data.body("l7").xpos, atol=1e-12)
+    np.testing.assert_allclose(limb.forward_kinematics(q).rotation.ravel(), data.body("l7").xmat, atol=1e-12)
+    assert limb.locked == ({} if held == 0.0 else {"slide": pytest.approx(held)})
+    with pytest.raises(InvalidRobot, match=r"'slide' is held at .* by the file, and cannot be locked at 0.9"):
+        srs_ik.load(path, base="world", tip="l7", locked={"slide": 0.9})

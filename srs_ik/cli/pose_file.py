@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srs_ik.cli.options import WrongInput, is_number, warn
-from srs_ik.errors import quoted
 from srs_ik.cli.poses import warn_of_degrees
+from srs_ik.errors import quoted
 from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
@@ -64,10 +64,10 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
 
 
 def read_targets(path: Path, unit: float, period: float) -> list[np.ndarray | None]:
-    """The poses of a CSV file as `read_poses` gives and refuses them, one a period; None for a line of nan or of nothing.
+    """The poses of a CSV file as `read_poses` gives and refuses them, one a period; None where it was lost.
 
-    Lines of empty cells are none that are left out: a log that is written by pandas has them where a target was lost. A
-    line on standard error says so if the file has times of its own that are not a period apart.
+    That is a line of nan or of nothing; lines of empty cells count, as pandas writes them. A line on standard error
+    says so if the file has times of its own that are not a period apart.
     """
     table = read_table(path, (*POSITION, *RPY), empty_cells=True)
     _warn_of_times(path, table, period)

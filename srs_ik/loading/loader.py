@@ -72,8 +72,8 @@ def load(
             second is taken perpendicular to the first. By default those of the built-in robot.
         limb: which of several limbs: "left", "right", or a part of one of its names; with `srdf`, a group.
         limits: limits that are not as described: for each joint in question those of "lower", "upper" (rad), "velocity"
-            (rad/s), "effort" (N m) and "acceleration" (rad/s^2) that change; infinite for none. Those for other joints of
-            the robot are left out. Trackers, and paths of the least time, keep the accelerations.
+            (rad/s), "effort" (N m) and "acceleration" (rad/s^2) that change; infinite for none. Those for other joints
+            of the robot are left out. Trackers, and paths of the least time, keep the accelerations.
         locked: where other joints of the robot stand, rad or m, such as ``{"lift": 0.3}``; those that are not named are
             at zero. They count where they lie between base and tip.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.

@@ -44,7 +44,12 @@ def as_locked(locked: Any, model: Any, followers: Mapping[str, Follower]) -> dic
         if follower is None:
             continue
         leader, (_, multiplier, offset) = follower.leader, follower
-        if leader not in found:
+        if multiplier == 0.0:
+            if abs(found[name] - offset) > TYPED:
+                raise InvalidRobot(
+                    f"{name!r} is held at {offset:g} by the file, and cannot be locked at {found[name]:g}"
+                )
+        elif leader not in found:
             said = f"{name!r} is locked at {found[name]:g} and mimics {listed([leader])}, which is not locked"
             warn_caller(f"{said}: it stays there while its leader moves")
         elif abs(found[name] - (there := multiplier * found[leader] + offset)) > TYPED:

@@ -78,7 +78,8 @@ def load_model(
         content = read(path, label)
         if document.root_tag(content) == "mujoco":
             model, tied = mjcf.build(path, content, label)
-            return RobotModel(model, model.name, label, dict.fromkeys(tied, "is tied by an equality"))
+            held = {name: Follower("", 0.0, at) for name, at in tied.items() if at is not None}
+            return RobotModel(model, model.name, label, dict.fromkeys(tied, "is tied by an equality"), held)
         return _from_elements(document.parse(content, label), label, Drawing(path.absolute()))
     # Whoever holds such an object has imported its package; for all others the import would be a waste.
     yourdfpy = sys.modules.get("yourdfpy")

@@ -112,7 +112,7 @@ def solve_path(
 
 
 def _hold_roomiest(problem: Problem, around: Surroundings | None) -> None:
-    """Begin a path of one pose alone, where every posture costs the same, in the one that is farthest from its limits."""
+    """Begin a path of one pose alone, where all postures cost the same, in the one farthest from its limits."""
     try:
         if around is None:
             found = solve(problem.arm, problem.T[0])

@@ -27,8 +27,8 @@ _RIGID = 1e-9
 """Largest entry of R'R - 1 of a rotation."""
 
 
-def build(path: Path, content: bytes, label: str) -> tuple[pin.Model, frozenset[str]]:
-    """The model of an MJCF file, and the names of the joints that are tied to others.
+def build(path: Path, content: bytes, label: str) -> tuple[pin.Model, dict[str, float | None]]:
+    """The model of an MJCF file, and the joints that are tied to others, or held where the figure says, rad or m.
 
     Joint positions are those of MuJoCo; a body with several joints has one joint of the model for each. A free body
     stands where the file puts it at the neutral configuration. Masses that depend on meshes are unknown; then the model

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 from srs_ik.errors import quoted
 from srs_ik.robot.description.mjcf.attributes import Reader, words
-from srs_ik.robot.description.mjcf.bodies import FREEDOM, Body
+from srs_ik.robot.description.mjcf.bodies import FREEDOM, Body, Joint
 
 _ALWAYS = words("name class active solref solimp")
 _ATTRIBUTES = {
@@ -22,21 +22,25 @@ _ATTRIBUTES = {
 }
 
 
-def tied_joints(root: Element, bodies: Sequence[Body], read: Reader) -> frozenset[str]:
-    """Names of the joints that are tied: by a polynomial, by a tendon, or in a loop that a connection closes.
+def tied_joints(root: Element, bodies: Sequence[Body], read: Reader) -> dict[str, float | None]:
+    """The joints that are tied: by a polynomial, by a tendon, or in a loop that a connection closes.
 
-    A constraint with ``active="false"`` does not count.
+    A constraint with ``active="false"`` does not count. With each joint is where it is held, rad or m: by a constant,
+    which MuJoCo counts from the joint's ``ref``; None where that depends on others.
 
     Raises:
         InvalidRobot: a constraint is of an unknown kind, or names what is not there.
     """
-    return frozenset(_Ties(root, bodies, read).names())
+    ties = _Ties(root, bodies, read)
+    tied = dict.fromkeys(ties.names())
+    return {name: ties.held.get(name) for name in tied}
 
 
 class _Ties:
     def __init__(self, root: Element, bodies: Sequence[Body], read: Reader) -> None:
         self._root, self._bodies, self._read = root, bodies, read
-        self._joints = {joint.name for body in bodies for joint in body.joints if FREEDOM[joint.kind] == 1}
+        self._joints = {joint.name: joint for body in bodies for joint in body.joints if FREEDOM[joint.kind] == 1}
+        self.held: dict[str, float] = {}
         self._body = {body.name: k for k, body in enumerate(bodies)}
         self._site = {name: k for k, body in enumerate(bodies) for name, _ in body.sites}
 
@@ -50,6 +54,12 @@ class _Ties:
                 tied = list(self._tied_by(element, where))
                 if self._read.choice(element.attrib, "active", ("true", "false"), "true", where) == "true":
                     yield from tied
+                    if element.tag == "joint" and "joint2" not in element.attrib:
+                        self._hold(self._joints[tied[0]], element, where)
+
+    def _hold(self, joint: Joint, element: Element, where: str) -> None:
+        constant = self._read.figure([*element.get("polycoef", "").split(), "0"][0], f"polycoef of {where}")
+        self.held[joint.name] = joint.ref + constant
 
     def _tied_by(self, element: Element, where: str) -> Iterator[str]:
         if element.tag == "joint":
