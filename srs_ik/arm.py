@@ -798,8 +798,8 @@ class Arm(BodyOwner):
             upper: (7,) upper ones; inf where there is none.
             velocity: (7,) limits of velocity, rad/s; inf where there is none.
             effort: (7,) limits of torque, N m; inf where there is none.
-            acceleration: (7,) limits of acceleration, rad/s^2, for trackers and paths of the least time that get no others;
-                inf where there is none.
+            acceleration: (7,) limits of acceleration, rad/s^2, for trackers and paths of the least time that get no
+                others; inf where there is none.
 
         Raises:
             InvalidRobot: limits are not seven numbers, a lower limit is above the upper one, or a velocity, effort or

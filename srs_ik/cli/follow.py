@@ -31,7 +31,7 @@ def follow(
         Path,
         typer.Argument(
             metavar="FILE.csv",
-            help="Poses of the tip, one a period, as for 'srs-ik path'; a line of nan is a lost target.",
+            help="Poses of the tip, one a period, as for 'srs-ik path'; a line of nan, or of empty cells, is a lost target.",
             show_default=False,
         ),
     ],
@@ -50,7 +50,10 @@ def follow(
     ] = None,
     acceleration: Annotated[
         str | None,
-        typer.Option(metavar="RAD/S2", help="Largest acceleration, inf: none; to full velocity in 0.1 s if not given."),
+        typer.Option(
+            metavar="RAD/S2",
+            help="Largest acceleration, inf: none; the robot's, or to full velocity in 0.1 s, if not given.",
+        ),
     ] = None,
     smoothing: Annotated[
         str | None,
