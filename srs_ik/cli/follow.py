@@ -31,7 +31,7 @@ def follow(
         Path,
         typer.Argument(
             metavar="FILE.csv",
-            help="Poses of the tip, one a period, as for 'srs-ik path'; a line of nan, or of empty cells, is a lost target.",
+            help="Poses of the tip, one a period, as for 'srs-ik path'; a line of nan or empty cells is a lost target.",
             show_default=False,
         ),
     ],
