@@ -1,4 +1,4 @@
-"""A greedy path, from each posture to the nearest one of the next pose, where a path breaks or swings joints for nothing.
+"""A greedy path, from each posture to the nearest one of the next pose, where a path breaks or turns for nothing.
 
 At poses with a singular shoulder or wrist, strips may miss the posture that a path with short steps takes. The path
 found swings joints that the tip does not ask to move, by which it is known. The nearest posture of a pose is found in
