@@ -325,6 +325,8 @@ class Arm(BodyOwner):
         jerk: ArrayLike | None = None,
         *,
         free_axis: ArrayLike | FreeAxis | str | None = None,
+        scene: Scene | None = None,
+        margin: float = 0.0,
     ) -> Tracker:
         """A follower of a target pose that moves: `update(pose)` gives the joint angles for the end of each period.
 
@@ -339,23 +341,28 @@ class Arm(BodyOwner):
                 the base frame, m, such as a measured elbow, to which it comes as near as it can, a built-in `Objective`
                 of one value (no lexicographic one, no function of one's own) or its name ("limit_margin" for farthest
                 from the limits) that it follows downhill, a `Task`, whose force and velocity it serves, or a `Scene`,
-                from whose bodies it keeps away.
+                from whose bodies it keeps away, and which then counts as `scene`.
             smoothing: time constant of a filter that takes jitter from the target, seconds, 0 for none; if not given,
                 as long as the noise of the target asks for, which is measured: none where there is none.
             jerk: the largest, one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes
                 out without it.
             free_axis: what of the targets' rotation is free, as for `solve`.
+            scene: what must not be touched, the arm's own bodies included: the arm stops before it, within its limits.
+                Objects may be moved between updates; those that come towards the arm are not evaded.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Raises:
             InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
             InvalidTask: no such objective, or a lexicographic one, or a function; several tasks; no free axis.
+            InvalidScene: no `Scene`, or no margin.
             MissingExtra: a limit of the jerk is given, and ruckig is not installed.
             MissingLimits: the description gives a joint no velocity limit, and none is given here.
+            NoBodies: with a scene, no shapes of the arm are at hand.
         """
         from srs_ik.solve.tracker.tracker import Tracker
 
         bounds = velocity, acceleration, jerk
-        return Tracker((self.packed, self), q0, dt, bounds, elbow, smoothing, free_axis)
+        return Tracker((self.packed, self), q0, dt, bounds, elbow, smoothing, free_axis, scene, margin)
 
     def intervals(
         self, pose: PoseLike, respect_limits: bool = True, *, scene: Scene | None = None, margin: float = 0.0

@@ -185,54 +185,68 @@ class RealWorld:
         return found
 
     def along(
-        self, start: Array, end: Array, margin: float, pairs: Sequence[tuple[int, int]]
+        self, way: Array, margin: float, pairs: Sequence[tuple[int, int]], tolerance: float = 0.0
     ) -> tuple[float, str, str, float]:
-        """What of some pairs comes within a margin on a straight line of joints: where (0 to 1), which, how near, m.
+        """What of some pairs comes within a margin on straight lines of joints: where, which, how near, m.
 
-        No names where the line is certainly clear. What cannot be told on the shortest stretch counts.
+        The lines lead through postures (n, 7), and line k is passed from k to k + 1. No names where they are certainly
+        clear. What cannot be told on the shortest stretch counts, or on one on which no body moves farther than a
+        tolerance, m.
         """
-        turns = np.abs(end - start)
-        waiting = [(0.0, 1.0)]
+        waiting = [(0.0, len(way) - 1.0)]
         while waiting:
             lower, upper = waiting.pop()
-            middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
-            doubtful = self._doubtful(self._frames(start + middle * (end - start)), half * turns, margin, pairs)
+            least, most = _box(way, lower, upper)
+            doubtful = self._doubtful(self._frames(0.5 * (least + most)), 0.5 * (most - least), margin, pairs)
             if doubtful is None:
                 continue
-            a, b, distance = doubtful
-            if distance <= margin or half < _SHORTEST:
+            a, b, distance, moved = doubtful
+            middle = 0.5 * (lower + upper)
+            if moved <= tolerance:
+                return middle, self.names[a], self.names[b], distance
+            if upper - lower > 1.0:
+                # The middle of several lines need not be on them; a stretch ends where a line does.
+                middle = float(round(middle))
+            elif distance <= margin or upper - lower < 2.0 * _SHORTEST:
                 return middle, self.names[a], self.names[b], distance
             waiting += [(middle, upper), (lower, middle)]
         return 0.0, "", "", math.inf
 
     def _doubtful(
         self, frames: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
-    ) -> tuple[int, int, float] | None:
-        """The nearest pair that may come within a margin while joints turn so far from a posture; None for none."""
+    ) -> tuple[int, int, float, float]| None:
+        """The nearest pair that may come within a margin while joints turn so far from a posture; None for none.
+
+        With how near it is, and how far the joints between the two move the outer one at most, m.
+        """
         places, centres = self._placed(frames)
+        first, second = np.array(pairs, np.int64).reshape(-1, 2).T
+        moved = self._moved(first, second, frames, centres, turns)
+        room = np.linalg.norm(centres[first] - centres[second], axis=1) - self._balls[first, 3] - self._balls[second, 3]
         at: dict[int, Any] = {}
         worst = None
-        for a, b in pairs:
-            needed = margin + self._moved(a, b, frames, centres, turns)
-            room = float(np.linalg.norm(centres[a] - centres[b])) - self._balls[a, 3] - self._balls[b, 3]
-            if room > needed:
-                continue
-            for k in (a, b):
-                if k not in at:
-                    at[k] = transform(places[k])
-            distance = self._distance(at, a, b)
-            if distance <= needed and (worst is None or distance < worst[2]):
-                worst = a, b, distance
+        for k in np.flatnonzero(room <= margin + moved).tolist():
+            pair = pairs[k]
+            for body in pair:
+                if body not in at:
+                    at[body] = transform(places[body])
+            distance = self._distance(at, *pair)
+            if distance <= margin + moved[k] and (worst is None or distance < worst[2]):
+                worst = *pair, distance, float(moved[k])
         return worst
 
-    def _moved(self, a: int, b: int, frames: Array, centres: Array, turns: Array) -> float:
-        """How far the joints between two bodies move the outer one at most, m."""
-        if self.joints[a] > self.joints[b]:
-            a, b = b, a
-        total = 0.0
-        for joint in range(self.joints[b], max(self.joints[a], 0), -1):
-            reach = float(np.linalg.norm(centres[b] - frames[joint, :3, 3])) + self._balls[b, 3]
-            total += turns[joint - 1] * (reach + total)
+    def _moved(
+        self, first: NDArray[np.int64], second: NDArray[np.int64], frames: Array, centres: Array, turns: Array
+    ) -> Array:
+        """(n,) how far the joints between two bodies move the outer one at most, m."""
+        joints = np.array(self.joints)
+        swapped = joints[first] > joints[second]
+        inner, outer = np.where(swapped, second, first), np.where(swapped, first, second)
+        begin, end = np.maximum(joints[inner], 0), joints[outer]
+        reach = np.linalg.norm(centres[outer, None] - frames[None, 1:, :3, 3], axis=2) + self._balls[outer, 3, None]
+        total = np.zeros(len(first))
+        for joint in range(7, 0, -1):
+            total += ((begin < joint) & (joint <= end)) * turns[joint - 1] * (reach[:, joint - 1] + total)
         return total
 
     def _distance(self, at: dict[int, Any], a: int, b: int) -> float:
@@ -243,6 +257,18 @@ class RealWorld:
 
 _SHORTEST = 1e-3
 """Shortest half of a stretch that is looked at, as a part of the line."""
+
+
+def _box(way: Array, lower: float, upper: float) -> tuple[Array, Array]:
+    """Least and largest joint angles on a stretch of the lines through postures (n, 7)."""
+    first = min(int(lower), len(way) - 2)
+    last = max(math.ceil(upper), first + 1)
+    ends = [
+        way[first] + (lower - first) * (way[first + 1] - way[first]),
+        way[last - 1] + (upper - last + 1) * (way[last] - way[last - 1]),
+    ]
+    on = np.concatenate([ends, way[first + 1 : last]])
+    return on.min(axis=0), on.max(axis=0)
 
 
 def _own_parts(arm: BodyOwner, body: Body) -> list[Part]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.collision.reaches import TOUCH
 from srs_ik.kernels.layout import collision as at
 from srs_ik.solve.solution import Collision
 from srs_ik.system.arrays import Array
@@ -42,24 +43,25 @@ class Edges:
                 continue
             hit: tuple[float, Collision | None] = float(edge[at.EDGE_AT]), around.collision_of(edge)
             if by_shapes or is_clear:
-                hit = _by_shapes(around, q[line], q[line + 1])
+                hit = by_shapes(around, q[line : line + 2], around.margin)
             if hit[1] is not None:
                 self.hits.append(PathCollision(line, hit[0], hit[1]))
 
 
-def _by_shapes(around: Surroundings, start: Array, end: Array) -> tuple[float, Collision | None]:
-    """Where on a line the real shapes are in the way, and which."""
+def by_shapes(
+    around: Surroundings, way: Array, margin: float, tolerance: float = 0.0
+) -> tuple[float, Collision | None]:
+    """Where on the straight lines through postures (n, 7) the real shapes are closer than a margin, m, and which.
+
+    With a tolerance, m, shapes also count that may come so near on a stretch on which none moves farther than that.
+    """
     formless = around.tables.formless
     if len(formless):
-        edge = around.along(start[None], end[None], np.array([around.margin]), formless)[0]
-        if edge[at.EDGE_PAIR] >= 0.0:
-            return float(edge[at.EDGE_AT]), around.collision_of(edge, formless)
-    pairs = around.watched(np.array([start, end]), _TOUCH)
-    place, first, second, distance = around.real_world().along(start, end, around.margin + _TOUCH, pairs)
+        found = around.along(way[:-1], way[1:], np.full(len(way) - 1, margin), formless)
+        for line in np.flatnonzero(found[:, at.EDGE_PAIR] >= 0.0).tolist():
+            return line + float(found[line, at.EDGE_AT]), around.collision_of(found[line], formless)
+    pairs = around.watched(way, TOUCH)
+    place, first, second, distance = around.real_world().along(way, margin + TOUCH, pairs, tolerance)
     if not first:
         return 0.0, None
     return place, Collision(first, second, max(around.margin - distance, 0.0))
-
-
-_TOUCH = 1e-5
-"""Distances are known to this, m: coal's tolerance is 1e-6."""

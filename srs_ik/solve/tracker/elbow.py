@@ -75,7 +75,7 @@ def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Cho
                 "elbow takes the arm_angle of what optimise finds"
             )
         return (float(elbow.kind), 0.0, elbow.packed(owner, packed.weights, True)), None
-    if _is_scene(elbow):
+    if is_scene(elbow):
         return (at.KEEP, 0.0, none), _Clearance(packed, owner, elbow)
     psi, point = as_elbow(elbow, what=CHOICES)
     if psi is None:
@@ -90,7 +90,8 @@ def _ratio(task: Task) -> Objective:
     return Objective("force_velocity_ratio", force=task.force, velocity=task.velocity)
 
 
-def _is_scene(elbow: Any) -> bool:
+def is_scene(elbow: Any) -> bool:
+    """Whether an elbow's policy is a scene."""
     # A tracker without a scene needs nothing of collisions.
     from srs_ik.collision.scenes.scene import Scene
 

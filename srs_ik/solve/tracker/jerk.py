@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from srs_ik.errors import MissingExtra
+from srs_ik.solve.tracker.braking import MOST_LINES
 from srs_ik.system.arrays import Array
+
+if TYPE_CHECKING:
+    from srs_ik.solve.solution import Collision
+    from srs_ik.solve.tracker.guard import Guard
 
 SHARE = 1.0 - 1e-3
 """Share of the limits that Ruckig is given: its motions are exact to some 1e-10 rad, which differences magnify."""
@@ -20,8 +27,8 @@ State = tuple[list[float], list[float], list[float]]
 class JerkFilter:
     """Joint angles within limits of velocity, acceleration and jerk that follow others as fast as these allow.
 
-    A step is taken only if the joints can come to rest from its end inside the position limits, and that motion is
-    kept: where no step is good, it is what goes on. So the limits hold whatever is followed.
+    A step is taken only if the joints can come to rest from its end inside the position limits, and free of what stands
+    around, and that motion is kept: where no step is good, it is what goes on. So the limits hold whatever is followed.
     """
 
     def __init__(self, q0: Array, dt: float, limits: tuple[Array, Array], bounds: tuple[Array, Array, Array]) -> None:
@@ -68,20 +75,41 @@ class JerkFilter:
         self._dt, self._limits, self._bounds, self._state, self._stops_from, self._resting = state
         self._prepare()
 
-    def step(self, goal: Array, velocity: Array) -> Array:
-        """The joint angles a period on, towards a goal that moves with a velocity: (7,) rad."""
+    def step(self, goal: Array, velocity: Array, guard: Guard | None = None) -> tuple[Array, Collision | None]:
+        """The joint angles a period on, (7,) rad, towards a goal that moves with a velocity; and who is in the way."""
+        said = None
+        for motion, after in self._steps(goal, velocity):
+            if guard is not None:
+                way = np.vstack([self._state[0], self._postures(motion, 0.0)])
+                allowed, said = guard.look(way, self._stop())
+                if not allowed:
+                    continue
+            self._state = self._stops_from = after
+            self._rest, self._resting = motion, 0.0
+            return np.array(after[0]), said
+        if self._rest is not None:
+            self._resting += self._dt
+            self._state = self._rest.at_time(self._resting)[:3]
+        return np.clip(self._state[0], *self._limits), said
+
+    def _steps(self, goal: Array, velocity: Array) -> Iterator[tuple[Any, State]]:
+        """Motions to rest after a step, inside the position limits, and the state from which each begins."""
         for through in (0.99 * SHARE * velocity, np.zeros(7)):
             motion = self._motion(self._state, goal, through)
             after = motion and motion.at_time(self._dt)[:3]
             rest = after and self._motion(after, None, np.zeros(7))
             if rest and self._inside(rest):
-                self._state = self._stops_from = after
-                self._rest, self._resting = rest, 0.0
-                return np.array(after[0])
-        if self._rest is not None:
-            self._resting += self._dt
-            self._state = self._rest.at_time(self._resting)[:3]
-        return np.clip(self._state[0], *self._limits)
+                yield rest, after
+
+    def _stop(self) -> Array:
+        """(n, 7) postures of the motion to rest that is kept, from the present one on."""
+        return np.array([self._state[0]]) if self._rest is None else self._postures(self._rest, self._resting)
+
+    def _postures(self, motion: Any, begin: float) -> Array:
+        """(n, 7) postures of a motion from a time on, about a period apart, to its end."""
+        periods = max(math.ceil((motion.duration - begin) / self._dt), 0)
+        times = begin + self._dt * np.linspace(0.0, periods, min(periods, MOST_LINES) + 1)
+        return np.clip([motion.at_time(time)[0] for time in times.tolist()], *self._limits)
 
     def _motion(self, state: Any, goal: Array | None, velocity: Array) -> Any:
         """The fastest motion from a state to a goal and a velocity there, or to that velocity alone; None for none."""

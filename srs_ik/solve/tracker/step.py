@@ -9,6 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 from srs_ik.kernels.layout import track as at
+from srs_ik.solve.solution import Collision
 from srs_ik.system.arrays import Array
 
 
@@ -20,7 +21,7 @@ class TrackerStatus(StrEnum):
     LIMITED = "LIMITED"
     """The arm is on its way to the target, within its limits."""
     HELD = "HELD"
-    """There is no target to follow, or only another configuration reaches it."""
+    """There is no target to follow, only another configuration reaches it, or bodies of a scene are in the way."""
     UNREACHABLE = "UNREACHABLE"
     """No posture reaches the target; the arm goes as close to it as it comes."""
 
@@ -40,12 +41,20 @@ AT_LIMIT = 1e-3
 class TrackerStep:
     """What a tracker answers to one update; the joint angles are to be sent to the robot for the end of the period."""
 
-    __slots__ = ("_joint_names", "_limits", "_row")
+    __slots__ = ("_joint_names", "_limits", "_row", "collision")
 
-    def __init__(self, row: Array, joint_names: Sequence[str], limits: tuple[Array, Array]) -> None:
+    def __init__(
+        self,
+        row: Array,
+        joint_names: Sequence[str],
+        limits: tuple[Array, Array],
+        collision: Collision | None = None,
+    ) -> None:
         self._row = row
         self._joint_names = joint_names
         self._limits = limits
+        self.collision = collision
+        """Which two bodies hold the arm, with a depth of zero where they do not meet yet; None if none do."""
 
     @property
     def q(self) -> Array:
@@ -98,6 +107,8 @@ class TrackerStep:
     def message(self) -> str:
         """One sentence for a person."""
         reason, lost = self._row[at.STEP_REASON], int(self._row[at.STEP_LOST])
+        if self.collision is not None:
+            return self._held(self.collision)
         if reason == at.NO_REASON:
             return "On the target."
         if reason == at.NO_TARGET_YET:
@@ -107,7 +118,7 @@ class TrackerStep:
             return f"No target for {updates}: the arm slows down on the way that it was on."
         if reason == at.BAD_TARGET:
             return f"No pose: the target is not finite or no rigid transform, and none was for {max(lost, 1)} updates."
-        away = f"{1e3 * self.position_error:.3g} mm and {math.degrees(self.orientation_error):.3g} deg"
+        away = self._away()
         if reason == at.BEHIND:
             return f"{self.joint} cannot move faster: the tip is {away} behind."
         if reason == at.ON_THE_WAY:
@@ -118,6 +129,16 @@ class TrackerStep:
             return f"The target is out of reach: the tip stays {away} away."
         stops = f", and {self.joint} stands at its limit" if self.joint and self._rests() else ""
         return f"No posture inside the joint limits reaches the target: the tip stays {away} away{stops}."
+
+    def _away(self) -> str:
+        return f"{1e3 * self.position_error:.3g} mm and {math.degrees(self.orientation_error):.3g} deg"
+
+    def _held(self, collision: Collision) -> str:
+        first, second, depth = collision
+        away = f": the tip is {self._away()} away from the target" if math.isfinite(self.position_error) else ""
+        if depth == 0.0:
+            return f"{first} would come too close to {second}, and the arm stops before{away}."
+        return f"{first} and {second} are {1e3 * depth:.3g} mm too close, and the arm only moves apart{away}."
 
     def as_dict(self) -> dict[str, float]:
         """Joint angles by joint name, rad, in the order of the joints."""

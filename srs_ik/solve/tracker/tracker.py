@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from srs_ik.collision.scenes.figures import as_margin, refuse_margin
 from srs_ik.errors import InvalidConfiguration, InvalidPose, MissingLimits, quoted, warn_caller
 from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.fixed import Fixed
@@ -23,14 +24,18 @@ from srs_ik.solve.freedom import met_batch
 from srs_ik.solve.freedom import solve as solve_free
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
-from srs_ik.solve.tracker.elbow import Choose, chosen
+from srs_ik.solve.tracker.braking import braking
+from srs_ik.solve.tracker.elbow import Choose, chosen, is_scene
 from srs_ik.solve.tracker.jerk import JerkFilter
 from srs_ik.solve.tracker.step import TrackerStep
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.solve.packed import PackedArm
+    from srs_ik.solve.solution import Collision
+    from srs_ik.solve.tracker.guard import Guard
 
 SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 100.0
 MOST = {"velocity": 1e6, "acceleration": 1e9, "jerk": 1e12}
@@ -69,7 +74,8 @@ class Tracker(Fixed):
 
     The limits hold for the joint angles as they come out: the difference of two, over the period, is within the
     velocity limits, the difference of two such velocities, over the period, within the acceleration limits, and every
-    joint can always stop before the end of its range.
+    joint can always stop before the end of its range. With a scene, so can the arm before it comes too close to a body
+    that stands still.
 
     Attributes:
         dt: seconds between two updates.
@@ -77,9 +83,10 @@ class Tracker(Fixed):
         acceleration_limit: (7,) rad/s^2; inf for a joint without one.
         jerk_limit: (7,) rad/s^3, or None.
         free_axis: what of a target's rotation is free, or None.
+        margin: what is to be left between any two bodies, m; it goes with a scene.
     """
 
-    _fixed = frozenset(("dt", "velocity_limit", "acceleration_limit", "jerk_limit", "free_axis"))
+    _fixed = frozenset(("dt", "velocity_limit", "acceleration_limit", "jerk_limit", "free_axis", "margin"))
     _closed = True
     _instead = "only elbow and smoothing can; make another tracker by Arm.tracker"
 
@@ -92,6 +99,8 @@ class Tracker(Fixed):
         elbow: Any,
         smoothing: float | None,
         free_axis: Any,
+        scene: Scene | None,
+        margin: float,
     ) -> None:
         packed, owner = arm
         self._packed, self._arm = packed, owner
@@ -123,6 +132,13 @@ class Tracker(Fixed):
         if self.free_axis is not None:
             self._settings[at.HAS_FREE] = 1.0
             self._settings[at.FREE : at.SETTINGS] = self.free_axis.packed
+        self._guard: Guard | None = None
+        self.margin = as_margin(margin)
+        if scene is not None:
+            self._guard = self._guard_in(scene)
+        elif not is_scene(elbow):
+            refuse_margin(margin)
+        self._scene_given = scene is not None
         self.elbow = elbow
         self.smoothing = smoothing
         self._resets_in_a_row = 0
@@ -143,7 +159,23 @@ class Tracker(Fixed):
         (kind, angle, parameters), self._choose = chosen(elbow, self._packed, self._arm)
         self._settings[at.ELBOW], self._settings[at.ANGLE_WANTED] = self._policy = kind, angle
         self._settings[at.SETTINGS :] = parameters
+        if is_scene(elbow) and not self._scene_given and self.scene is not elbow:
+            self._guard = self._guard_in(elbow)
         self._elbow, self._just_set = elbow, True
+
+    @property
+    def scene(self) -> Scene | None:
+        """What the arm stops before; if none was given, the last that was the elbow's; None for nothing.
+
+        Its objects may be moved between updates.
+        """
+        return None if self._guard is None else self._guard.scene
+
+    def _guard_in(self, scene: Scene) -> Guard:
+        # A tracker without a scene needs nothing of collisions.
+        from srs_ik.solve.tracker.guard import Guard
+
+        return Guard(self._arm, self._packed, scene, self.margin)
 
     @property
     def smoothing(self) -> float | None:
@@ -227,18 +259,41 @@ class Tracker(Fixed):
 
     def _update(self, pose: PoseLike | None) -> TrackerStep:
         out = np.empty(at.STEP)
+        before = self._state[at.Q : at.GOAL].copy()
+        T = None if pose is None else as_target(pose)
         if self._choose is not None:
             self._choose_elbow(self._choose)
-        if pose is None:
+        if T is None:
             update(self._packed.family, self._state, self._settings, self._nowhere, 0, self._work, out)
         else:
-            T = as_target(pose)
             update(self._packed.family, self._state, self._settings, T, 1, self._work, out)
             if out[at.STEP_REASON] == at.FORBIDDEN and self._state[at.ASKED] == at.UNKNOWN:
                 self._ask(out)
+        hit = None if self._guard is None else self._hold(self._guard, before, out, T)
         if self._jerk is not None:
-            self._send(self._jerk, out, None if pose is None else T)
-        return TrackerStep(out, self._packed.joint_names, (self._packed.lower, self._packed.upper))
+            hit = self._send(self._jerk, out, T) or hit
+        if hit is not None:
+            out[at.STEP_STATUS], out[at.STEP_JOINT] = at.HELD, 0.0
+        return TrackerStep(out, self._packed.joint_names, (self._packed.lower, self._packed.upper), hit)
+
+    def _hold(self, guard: Guard, before: Array, out: Array, T: Array | None) -> Collision | None:
+        """Brake instead of a step after which the arm could not stop in time: who is in the way, None for nobody."""
+        way, stop = (self._braking(*state) for state in ((out[:7], out[at.STEP_V : at.STEP_A]), (before[:7], before[7:])))
+        allowed, hit = guard.look(np.vstack([before[:7], way]), stop)
+        if not allowed:
+            q = stop[min(1, len(stop) - 1)]
+            v = (q - before[:7]) / self.dt
+            self._state[at.Q : at.V], self._state[at.V : at.GOAL] = q, v
+            # The plan and the tip are those of the step that is not taken.
+            self._state[at.ON] = self._state[at.PLANNED] = 0.0
+            out[at.STEP_Q : at.STEP_V], out[at.STEP_V : at.STEP_A] = q, v
+            out[at.STEP_A : at.STEP_STATUS] = (v - before[7:]) / self.dt
+            self._measure(out, T)
+        return hit
+
+    def _braking(self, q: Array, v: Array) -> Array:
+        push = self._settings[at.ACCELERATION : at.SMOOTHING]
+        return braking(q, v, push, self.dt, (self._packed.lower, self._packed.upper))
 
     def _choose_elbow(self, choose: Choose) -> None:
         """Ask for the arm angle that suits the elbow's policy now and then, while the tip is on the target."""
@@ -275,23 +330,29 @@ class Tracker(Fixed):
         self._state[at.DETOUR_END : at.MISS] = q
         self._state[at.DETOUR], self._state[at.ON], self._state[at.ELSEWHERE] = 1.0, 0.0, at.UNKNOWN
 
-    def _send(self, jerk: JerkFilter, out: Array, T: Array | None) -> None:
-        """Limit the jerk of a step, and write what comes of it."""
+    def _send(self, jerk: JerkFilter, out: Array, T: Array | None) -> Collision | None:
+        """Limit the jerk of a step, and write what comes of it: who is in the way, None for nobody."""
         wanted = out[at.STEP_Q : at.STEP_V].copy()
-        q = jerk.step(wanted, out[at.STEP_V : at.STEP_A])
+        q, hit = jerk.step(wanted, out[at.STEP_V : at.STEP_A], self._guard)
         before, last = self._sent
         self._sent = np.array([last, q])
         out[at.STEP_Q : at.STEP_V] = q
         out[at.STEP_V : at.STEP_A] = (q - last) / self.dt
         out[at.STEP_A : at.STEP_STATUS] = (q - 2.0 * last + before) / self.dt**2
         behind = np.abs(wanted - q)
-        if out[at.STEP_REASON] != at.BAD_TARGET:
-            goal = self._target() if T is None and self._state[at.STARTED] else T
-            if goal is not None:
-                out[at.STEP_POSITION_ERROR], out[at.STEP_ORIENTATION_ERROR] = self._error(goal, q)
+        self._measure(out, T)
         if out[at.STEP_STATUS] == at.OK and behind.max() > TOGETHER:
             out[at.STEP_STATUS], out[at.STEP_REASON] = at.LIMITED, at.BEHIND
             out[at.STEP_JOINT] = 1.0 + int((behind / self.velocity_limit).argmax())
+        return hit
+
+    def _measure(self, out: Array, T: Array | None) -> None:
+        """Write how far the tip of a step is from a target, or from where that is expected."""
+        if out[at.STEP_REASON] != at.BAD_TARGET:
+            goal = self._target() if T is None and self._state[at.STARTED] else T
+            if goal is not None:
+                q = out[at.STEP_Q : at.STEP_V]
+                out[at.STEP_POSITION_ERROR], out[at.STEP_ORIENTATION_ERROR] = self._error(goal, q)
 
     def _error(self, T: Array, q: Array) -> tuple[float, float]:
         """Metres and radians between the tip and a target, but for what that leaves free."""
@@ -305,7 +366,8 @@ class Tracker(Fixed):
         """Let the arm go to the posture of a pose that is nearest to the present one, in whatever configuration.
 
         The joints go there straight, within all limits, while `update` is called with targets as before; between, the
-        tip is not on the target.
+        tip is not on the target. With a scene it is the nearest posture that is free, and the arm stops before what
+        stands in its straight way.
 
         Args:
             pose: the last target if not given.
@@ -318,13 +380,17 @@ class Tracker(Fixed):
         """
         with self._one:
             T = self._target() if pose is None else as_rigid_matrix(pose)
-            if self.free_axis is None:
-                found = solve(self._packed, T, seed=self.q)
-            else:
-                found = solve_free(self._packed, T, self.free_axis, self.q, True)
+            found = self._nearest_posture(T)
             if found:
                 self._go_to(found.q)
             return found
+
+    def _nearest_posture(self, T: Array) -> Solution:
+        if self._guard is not None:
+            return self._guard.nearest(T, self.q, self.free_axis)
+        if self.free_axis is None:
+            return solve(self._packed, T, seed=self.q)
+        return solve_free(self._packed, T, self.free_axis, self.q, True)
 
     def _target(self) -> Array:
         if not self._state[at.STARTED]:
