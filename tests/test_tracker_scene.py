@@ -82,7 +82,7 @@ class World:
 def there_and_back(speed, depth):
     """(n,) depths of a target that goes into the plate, waits, comes back and waits, m."""
     way = np.arange(0.0, depth, speed * DT)
-    return np.concatenate([way, np.full(round(0.2 / DT), depth), way[::-1], np.zeros(round(1.2 / DT))])
+    return np.concatenate([way, np.full(round(0.3 / DT), depth), way[::-1], np.zeros(round(1.2 / DT))])
 
 
 MOTIONS = {
@@ -102,7 +102,7 @@ def test_the_arm_stops_before_a_plate_and_follows_again(name, motion):
     steps = world.follow([world.target(depth, noise) for depth in depths])
     assert world.hits(steps) == 0
     # Into the plate, the target's pose itself hits.
-    deep = int(np.argmax(depths)) + round(0.15 / DT)
+    deep = int(np.argmax(depths)) + round(0.28 / DT)
     assert steps[deep].status == "HELD"
     assert steps[deep].collision.second == "plate"
     assert steps[-1].position_error < 5e-3
@@ -172,7 +172,7 @@ def test_the_margin_is_left():
 
 def test_an_arm_that_begins_in_contact_comes_out_and_goes_no_deeper():
     world = World("iiwa14")
-    deep = world.arm.solve(world.target(AWAY - 0.13), seed=world.q0).q
+    deep = world.arm.solve(world.target(AWAY - 0.03), seed=world.q0).q
     depth = world.truth.deepest(deep)[0]
     assert depth > 0.005
     world.tracker = world.arm.tracker(deep, DT, world.speeds, scene=world.scene)
@@ -226,8 +226,8 @@ def test_what_the_hand_holds_counts():
 
 def test_the_arm_stops_before_itself():
     arm = arms.load("iiwa14")
-    q0 = np.array([0.0, 0.5, 0.0, -1.8, 0.0, 0.5, 0.0])
-    target = q0 + np.array([0.0, 0.0, 0.0, -0.25, 0.0, 1.4, 0.0])
+    q0 = np.array([0.0, 1.0, 0.0, -1.6, 0.0, 1.0, 0.0])
+    target = np.array([0.0, 1.8, 0.0, -2.0, 0.0, 1.4, 0.0])
     assert arm.collision(target, Scene()) is not None
     tracker = arm.tracker(q0, DT, scene=Scene())
     for share in np.linspace(0.0, 1.0, 500):

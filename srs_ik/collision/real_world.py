@@ -185,13 +185,13 @@ class RealWorld:
         return found
 
     def along(
-        self, way: Array, margin: float, pairs: Sequence[tuple[int, int]], tolerance: float = 0.0
+        self, way: Array, margin: float, pairs: Sequence[tuple[int, int]], tolerance: float = 0.0, part: float = 0.0
     ) -> tuple[float, str, str, float]:
         """What of some pairs comes within a margin on straight lines of joints: where, which, how near, m.
 
         The lines lead through postures (n, 7), and line k is passed from k to k + 1. No names where they are certainly
         clear. What cannot be told on the shortest stretch counts, or on one on which no body moves farther than a
-        tolerance, m.
+        tolerance, m, or that is no longer than some part of the whole.
         """
         waiting = [(0.0, len(way) - 1.0)]
         while waiting:
@@ -202,7 +202,7 @@ class RealWorld:
                 continue
             a, b, distance, moved = doubtful
             middle = 0.5 * (lower + upper)
-            if moved <= tolerance:
+            if moved <= tolerance or upper - lower <= part * (len(way) - 1):
                 return middle, self.names[a], self.names[b], distance
             if upper - lower > 1.0:
                 # The middle of several lines need not be on them; a stretch ends where a line does.
@@ -214,7 +214,7 @@ class RealWorld:
 
     def _doubtful(
         self, frames: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
-    ) -> tuple[int, int, float, float]| None:
+    ) -> tuple[int, int, float, float] | None:
         """The nearest pair that may come within a margin while joints turn so far from a posture; None for none.
 
         With how near it is, and how far the joints between the two move the outer one at most, m.

@@ -49,11 +49,12 @@ class Edges:
 
 
 def by_shapes(
-    around: Surroundings, way: Array, margin: float, tolerance: float = 0.0
+    around: Surroundings, way: Array, margin: float, tolerance: float = 0.0, part: float = 0.0
 ) -> tuple[float, Collision | None]:
     """Where on the straight lines through postures (n, 7) the real shapes are closer than a margin, m, and which.
 
-    With a tolerance, m, shapes also count that may come so near on a stretch on which none moves farther than that.
+    With a tolerance, m, shapes also count that may come so near on a stretch on which none moves farther than that, or
+    that is some part of the whole.
     """
     formless = around.tables.formless
     if len(formless):
@@ -61,7 +62,7 @@ def by_shapes(
         for line in np.flatnonzero(found[:, at.EDGE_PAIR] >= 0.0).tolist():
             return line + float(found[line, at.EDGE_AT]), around.collision_of(found[line], formless)
     pairs = around.watched(way, TOUCH)
-    place, first, second, distance = around.real_world().along(way, margin + TOUCH, pairs, tolerance)
+    place, first, second, distance = around.real_world().along(way, margin + TOUCH, pairs, tolerance, part)
     if not first:
         return 0.0, None
     return place, Collision(first, second, max(around.margin - distance, 0.0))

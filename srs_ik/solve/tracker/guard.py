@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 
 TOLERANCE = 2e-4
 """A way is not looked at in stretches on which bodies move less than this, m: the arm stops so far before it must."""
+
+PART = 0.125
+"""Nor in stretches shorter than this part of it while joints move, so that it takes no longer the faster they are."""
 
 LEFT = 2.0 * TOUCH
 """What ways are to leave more than the margin, m, so that where they end is told from a contact."""
@@ -83,7 +87,7 @@ class Guard:
             self._known, self._as_of = Surroundings(self._owner, self._packed, self.scene, self.margin), now
         return self._known
 
-    def look(self, way: Array, stop: Array) -> Verdict:
+    def look(self, way: Array, braked: Callable[[], Array]) -> Verdict:
         """Whether a step may be taken.
 
         It may where its whole way to rest is free. An arm that is too close to something, since it began so or an
@@ -91,10 +95,13 @@ class Guard:
 
         Args:
             way: (n, 7) postures from the present one by the end of the step to rest, n at least 2.
-            stop: (m, 7) the same if the joints brake now; they can always.
+            braked: tells (m, 7) the same if the joints brake now; they can always.
         """
         around = self.around
-        hit = _in_the_way(around, way)
+        if _is_clear(around, way):
+            return FREE
+        stop = braked()
+        hit = by_shapes(around, way, around.margin + LEFT, TOLERANCE, PART if len(stop) > 1 else 0.0)[1]
         if hit is None:
             return FREE
         here = _room(around, stop[0])
@@ -114,12 +121,10 @@ class Guard:
         return free_solver.solve(self.around, T, free_axis, q, True)
 
 
-def _in_the_way(around: Surroundings, way: Array) -> Collision | None:
-    """What is in the way on the straight lines through postures, or could not be shown to be out of it."""
+def _is_clear(around: Surroundings, way: Array) -> bool:
+    """Whether nothing is in the way on the straight lines through postures, by the spheres and the ranges of joints."""
     lines = around.along(way[:-1], way[1:], np.full(len(way) - 1, around.margin))
-    if (lines[:, at.EDGE_PAIR] < 0.0).all() and around.keeps_range(way):
-        return None
-    return by_shapes(around, way, around.margin + LEFT, TOLERANCE)[1]
+    return bool((lines[:, at.EDGE_PAIR] < 0.0).all()) and around.keeps_range(way)
 
 
 def _room(around: Surroundings, q: Array) -> Room:

@@ -81,7 +81,7 @@ class JerkFilter:
         for motion, after in self._steps(goal, velocity):
             if guard is not None:
                 way = np.vstack([self._state[0], self._postures(motion, 0.0)])
-                allowed, said = guard.look(way, self._stop())
+                allowed, said = guard.look(way, self._braked)
                 if not allowed:
                     continue
             self._state = self._stops_from = after
@@ -101,7 +101,7 @@ class JerkFilter:
             if rest and self._inside(rest):
                 yield rest, after
 
-    def _stop(self) -> Array:
+    def _braked(self) -> Array:
         """(n, 7) postures of the motion to rest that is kept, from the present one on."""
         return np.array([self._state[0]]) if self._rest is None else self._postures(self._rest, self._resting)
 

@@ -278,9 +278,10 @@ class Tracker(Fixed):
 
     def _hold(self, guard: Guard, before: Array, out: Array, T: Array | None) -> Collision | None:
         """Brake instead of a step after which the arm could not stop in time: who is in the way, None for nobody."""
-        way, stop = (self._braking(*state) for state in ((out[:7], out[at.STEP_V : at.STEP_A]), (before[:7], before[7:])))
-        allowed, hit = guard.look(np.vstack([before[:7], way]), stop)
+        way = np.vstack([before[:7], self._braking(out[at.STEP_Q : at.STEP_V], out[at.STEP_V : at.STEP_A])])
+        allowed, hit = guard.look(way, lambda: self._braking(before[:7], before[7:]))
         if not allowed:
+            stop = self._braking(before[:7], before[7:])
             q = stop[min(1, len(stop) - 1)]
             v = (q - before[:7]) / self.dt
             self._state[at.Q : at.V], self._state[at.V : at.GOAL] = q, v
