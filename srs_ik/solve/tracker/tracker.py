@@ -237,6 +237,8 @@ class Tracker(Fixed):
         # The first target may be where the tip is.
         self._state[at.ON] = 1.0
         self._state[at.GAP] = np.inf
+        # Who is in the way while the arm brakes.
+        self._stops: Collision | None = None
         self._jerk: JerkFilter | None = None
         if self.jerk_limit is not None:
             pushes = self._settings[at.ACCELERATION : at.SMOOTHING].copy()
@@ -277,19 +279,27 @@ class Tracker(Fixed):
         return TrackerStep(out, self._packed.joint_names, (self._packed.lower, self._packed.upper), hit)
 
     def _hold(self, guard: Guard, before: Array, out: Array, T: Array | None) -> Collision | None:
-        """Brake instead of a step after which the arm could not stop in time: who is in the way, None for nobody."""
-        way = np.vstack([before[:7], self._braking(out[at.STEP_Q : at.STEP_V], out[at.STEP_V : at.STEP_A])])
-        allowed, hit = guard.look(way, lambda: self._braking(before[:7], before[7:]))
-        if not allowed:
-            stop = self._braking(before[:7], before[7:])
-            q = stop[min(1, len(stop) - 1)]
-            v = (q - before[:7]) / self.dt
-            self._state[at.Q : at.V], self._state[at.V : at.GOAL] = q, v
-            # The plan and the tip are those of the step that is not taken.
-            self._state[at.ON] = self._state[at.PLANNED] = 0.0
-            out[at.STEP_Q : at.STEP_V], out[at.STEP_V : at.STEP_A] = q, v
-            out[at.STEP_A : at.STEP_STATUS] = (v - before[7:]) / self.dt
-            self._measure(out, T)
+        """Brake instead of a step after which the arm could not stop in time: who is in the way, None for nobody.
+
+        Once it brakes it comes to rest first: to ask in between would let it shake.
+        """
+        hit = self._stops if before[7:].any() else None
+        if hit is None:
+            way = np.vstack([before[:7], self._braking(out[at.STEP_Q : at.STEP_V], out[at.STEP_V : at.STEP_A])])
+            allowed, hit = guard.look(way, lambda: self._braking(before[:7], before[7:]))
+            if allowed:
+                self._stops = None
+                return hit
+        self._stops = hit
+        stop = self._braking(before[:7], before[7:])
+        q = stop[min(1, len(stop) - 1)]
+        v = (q - before[:7]) / self.dt
+        self._state[at.Q : at.V], self._state[at.V : at.GOAL] = q, v
+        # The plan and the tip are those of the step that is not taken.
+        self._state[at.ON] = self._state[at.PLANNED] = 0.0
+        out[at.STEP_Q : at.STEP_V], out[at.STEP_V : at.STEP_A] = q, v
+        out[at.STEP_A : at.STEP_STATUS] = (v - before[7:]) / self.dt
+        self._measure(out, T)
         return hit
 
     def _braking(self, q: Array, v: Array) -> Array:
