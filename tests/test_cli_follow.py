@@ -199,3 +199,24 @@ def test_a_target_that_is_lost_in_part_is_refused(tmp_path):
     said = run("follow", "iiwa14", str(file), "--dt", "0.01")
     assert said.exit_code == 2
     assert "line 2: there is no y, pitch; where a target was lost, all of its columns are empty, or nan" in said.stderr
+
+
+def test_with_a_scene_the_arm_stops_before_it(tmp_path):
+    """The bodies are named where the last target is behind a plate."""
+    T = srs_ik.load("iiwa14").forward_kinematics(Q).homogeneous
+    x, y, z = T[:3, 3].tolist()
+    plate = {"name": "plate", "box": [0.4, 0.4, 0.04], "xyz": [x, y, z - 0.25]}
+    (tmp_path / "scene.json").write_text(json.dumps({"objects": [plate]}))
+    rows = [[x, y, z - 1e-3 * k, *quaternion(T).tolist()] for k in range(300)]
+    with (tmp_path / "poses.csv").open("w", newline="") as file:
+        csv.writer(file).writerows([["x", "y", "z", "qx", "qy", "qz", "qw"], *rows])
+    words = ("follow", "iiwa14", str(tmp_path / "poses.csv"), "--dt", "0.004", "--q", *map(str, Q))
+    assert answer(*words)["status"][-1] == "OK"
+    scene = ("--scene", str(tmp_path / "scene.json"), "--margin", "0.01")
+    got = answer(*words, *scene, exit_code=1)
+    assert got["status"][-1] == "HELD"
+    around = srs_ik.Scene.from_file(tmp_path / "scene.json")
+    arm = srs_ik.load("iiwa14")
+    assert all(arm.collision(q, around, 0.01) is None for q in got["q"])
+    told = run(*words, *scene)
+    assert "would come too close to plate, and the arm stops before" in told.stderr.replace("\n", " ")

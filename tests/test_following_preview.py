@@ -104,3 +104,17 @@ def test_dragging_in_a_browser_moves_the_arm_and_changes_the_status(view):
         assert problems == []
         assert page.faults == []
         page.close()
+
+
+def test_the_arm_on_the_page_stops_before_a_scene(arm):
+    scene = srs_ik.Scene()
+    T = arm.forward_kinematics(Q).homogeneous
+    plate = np.eye(4)
+    plate[:3, 3] = T[:3, 3] - [0.0, 0.0, 0.25]
+    scene.add_box("plate", plate, [0.4, 0.4, 0.04])
+    with srs_ik.preview.FollowingPreview(arm, Q, scene=scene) as page:
+        assert page._server.scene.get_handle_by_name("/scene/plate/0") is not None or page._canvas is not None
+        page.show(plate)
+        wait(lambda: page.step.status == "HELD")
+        assert page.step.collision.second == "plate"
+        assert arm.collision(page.step.q, scene) is None

@@ -14,11 +14,11 @@ from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, is_number, numbers
 from srs_ik.cli.pose_file import read_targets, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
+from srs_ik.cli.scenes import Margin, Meshes, SceneFile, read, with_meshes
 from srs_ik.cli.waiting import counted
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.inputs.freedom import FreeAxis
     from srs_ik.solve.tracker.step import TrackerStep
     from srs_ik.solve.tracker.tracker import Tracker
 
@@ -62,6 +62,9 @@ def follow(
             help="Time constant of a filter that takes jitter from the poses, 0: none; by their noise if not given.",
         ),
     ] = None,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    meshes: Meshes = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write time, joint angles (rad), status and errors here.")
     ] = None,
@@ -72,7 +75,8 @@ def follow(
 ) -> None:
     """Follow poses that come one a period, within the limits of position, velocity and acceleration of every joint.
 
-    Exit status 1 where the tip is not on the last target at the end; a line on standard error says why.
+    With a scene, the arm stops before it hits anything. Exit status 1 where the tip is not on the last target at the
+    end; a line on standard error says why.
     """
     unit = unit_of(degrees)
     (period,) = numbers("--dt", [dt])
@@ -91,11 +95,13 @@ def follow(
     q0 = None if start is None else angles("--q", start, unit)
     refuse_onto(out, poses)
     targets = read_targets(poses, unit, period)
+    around = read(scene, margin)
 
     from srs_ik.loading import load
 
-    arm = load(source, **chosen)
-    tracker = arm.tracker(_start(arm, targets, free) if q0 is None else q0, period, **options)
+    arm = with_meshes(load(source, **chosen), meshes)
+    begin = _start(arm, targets, {"free_axis": free} | around) if q0 is None else q0
+    tracker = arm.tracker(begin, period, **options, **around)
     steps = [tracker.update(T) for T in counted(targets, "following")]
     if out is not None:
         _write(out, arm, steps, period)
@@ -111,10 +117,10 @@ def _elbow(word: str, unit: float) -> str | float:
     return angles("--elbow", [word], unit)[0] if is_number(word) else word
 
 
-def _start(arm: Arm, targets: list[Any], free: FreeAxis | None) -> Any:
+def _start(arm: Arm, targets: list[Any], asked: dict[str, Any]) -> Any:
     """A posture of the first target that there is."""
     first = next((T for T in targets if T is not None), None)
-    found = None if first is None else arm.solve(first, free_axis=free)
+    found = None if first is None else arm.solve(first, **asked)
     if not found:
         why = "there is no pose in the file" if found is None else found.message
         raise WrongInput(f"no posture to begin with: {why} Give one by --q")

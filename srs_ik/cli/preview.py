@@ -57,9 +57,12 @@ def preview(
 
     With a pose, --xyz with --rpy or --quat, the posture farthest from the joint limits is shown, and the feasible arm
     angles as arcs around the circle of the elbow. With --scene, its objects are shown too, the arm's bodies in the
-    colour of their clearance, and the arm angles that they forbid. Exit status 1 if there is no posture.
+    colour of their clearance, and the arm angles that they forbid; with --follow, the arm stops before them. Exit
+    status 1 if there is no posture.
     """
-    _check(save, interactive, follow, ellipsoids or ghosts or self_motion or scene is not None, port)
+    _check(save, interactive, follow, ellipsoids or ghosts or self_motion, port)
+    if interactive and scene is not None:
+        raise WrongInput("--interactive is a page that shows no scene, and goes with no --scene")
     if q is not None and (xyz or rpy or quat):
         raise WrongInput("--q is a posture already and goes with none of --xyz, --rpy and --quat")
     unit = unit_of(degrees)
@@ -79,7 +82,7 @@ def preview(
     if follow:
         from srs_ik.preview.live.following import FollowingPreview
 
-        with FollowingPreview(arm, shown, package_dirs=meshes or (), port=port) as following:
+        with FollowingPreview(arm, shown, package_dirs=meshes or (), port=port, **around) as following:
             _serve(following)
         return
     if interactive:
@@ -105,7 +108,7 @@ def preview(
 
 def _check(save: Path | None, interactive: bool, follow: bool, marked: bool, port: int) -> None:
     if (interactive or follow) and (save is not None or marked):
-        others = "--save, --scene, --ellipsoids, --ghosts and --self-motion"
+        others = "--save, --ellipsoids, --ghosts and --self-motion"
         option = "--follow" if follow else "--interactive"
         raise WrongInput(f"{option} is a page that answers, and goes with none of {others}")
     if port not in range(65536):

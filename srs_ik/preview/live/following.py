@@ -20,6 +20,7 @@ from srs_ik.kinematics import check_arm
 from srs_ik.preview import palette
 from srs_ik.preview.live.live_page import LivePage
 from srs_ik.preview.live.page import wxyz
+from srs_ik.preview.surroundings import object_solids
 from srs_ik.preview.words import STYLE, css, degrees
 from srs_ik.system.arrays import Array
 
@@ -40,6 +41,7 @@ class FollowingPreview(LivePage):
     """A page with a target to drag, which the arm follows within its limits, served to this machine alone.
 
     A strip chart shows each joint's velocity as a share of its limit over the last 8 s, a text the tracker's status.
+    The objects of a scene are drawn where they are at first.
 
     Args:
         arm: the arm.
@@ -47,7 +49,7 @@ class FollowingPreview(LivePage):
         dt: seconds between two updates of the tracker.
         package_dirs: a folder, or several, to search for meshes before all others.
         port: of the page; 0 for any that is free.
-        **options: of `Arm.tracker`.
+        **options: of `Arm.tracker`, such as `scene`, before which the arm stops.
 
     Attributes:
         arm: the arm.
@@ -76,6 +78,9 @@ class FollowingPreview(LivePage):
         as_positive(dt, "dt", "seconds")
         self.tracker: Tracker = arm.tracker(start, dt, **options)
         super().__init__(arm, package_dirs, port)
+        if self.tracker.scene is not None:
+            for name, found in object_solids(self.tracker.scene).items():
+                self._canvas.draw(f"scene/{name}", found)
         self._times: deque[float] = deque(maxlen=max(round(SHOWN / CHARTED_EVERY), 2))
         self._shares: deque[Array] = deque(maxlen=self._times.maxlen)
         self._peak = np.zeros(7)

@@ -43,12 +43,12 @@ class Edges:
                 continue
             hit: tuple[float, Collision | None] = float(edge[at.EDGE_AT]), around.collision_of(edge)
             if by_shapes or is_clear:
-                hit = by_shapes(around, q[line : line + 2], around.margin)
+                hit = shapes_in_the_way(around, q[line : line + 2], around.margin)
             if hit[1] is not None:
                 self.hits.append(PathCollision(line, hit[0], hit[1]))
 
 
-def by_shapes(
+def shapes_in_the_way(
     around: Surroundings, way: Array, margin: float, tolerance: float = 0.0, part: float = 0.0
 ) -> tuple[float, Collision | None]:
     """Where on the straight lines through postures (n, 7) the real shapes are closer than a margin, m, and which.

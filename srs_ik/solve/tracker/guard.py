@@ -12,7 +12,7 @@ from srs_ik.collision.scenes.figures import as_margin
 from srs_ik.kernels.layout import collision as at
 from srs_ik.solve.in_scene import freedom as free_solver
 from srs_ik.solve.in_scene import pose as pose_solver
-from srs_ik.solve.in_scene.edges import by_shapes
+from srs_ik.solve.in_scene.edges import shapes_in_the_way
 from srs_ik.solve.in_scene.surroundings import Surroundings
 from srs_ik.solve.solution import Collision, Solution
 from srs_ik.system.arrays import Array
@@ -101,7 +101,7 @@ class Guard:
         if _is_clear(around, way):
             return FREE
         stop = braked()
-        hit = by_shapes(around, way, around.margin + LEFT, TOLERANCE, PART if len(stop) > 1 else 0.0)[1]
+        hit = shapes_in_the_way(around, way, around.margin + LEFT, TOLERANCE, PART if len(stop) > 1 else 0.0)[1]
         if hit is None:
             return FREE
         here = _room(around, stop[0])
@@ -112,7 +112,7 @@ class Guard:
         nearest = rest if rest.left <= CONTACT else here
         said = Collision(nearest.first, nearest.second, max(-nearest.left, 0.0))
         leaves = _room(around, way[-1]).left > rest.left
-        return Verdict(leaves and by_shapes(around, way, around.margin + least - LEFT)[1] is None, said)
+        return Verdict(leaves and shapes_in_the_way(around, way, around.margin + least - LEFT)[1] is None, said)
 
     def nearest(self, T: Array, q: Array, free_axis: FreeAxis | None) -> Solution:
         """The free posture of a pose that is nearest to another, or why there is none."""
