@@ -113,7 +113,7 @@ def test_the_arm_on_the_page_stops_before_a_scene(arm):
     plate[:3, 3] = T[:3, 3] - [0.0, 0.0, 0.25]
     scene.add_box("plate", plate, [0.4, 0.4, 0.04])
     with srs_ik.preview.FollowingPreview(arm, Q, scene=scene) as page:
-        assert page._server.scene.get_handle_by_name("/scene/plate/0") is not None or page._canvas is not None
+        assert page._server.scene.get_handle_by_name("/scene/scene/plate/0") is not None
         page.show(plate)
         wait(lambda: page.step.status == "HELD")
         assert page.step.collision.second == "plate"

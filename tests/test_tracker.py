@@ -476,7 +476,7 @@ def test_the_elbow_keeps_away_from_an_object_where_it_is_now():
     elbow = arm.joint_frames(step.q)[4, :3, 3]
     beside = np.cross(elbow - arm.limb.shoulder, pose.translation - elbow)
     there = np.eye(4)
-    there[:3, 3] = elbow + 0.22 * beside / np.linalg.norm(beside)
+    there[:3, 3] = elbow + 0.28 * beside / np.linalg.norm(beside)
     scene.move("ball", there)
     for _ in range(200):
         step = tracker.update(pose)
