@@ -202,14 +202,12 @@ def farthest_branch(P, place_, psi, branch, respect):
         return NO_SEED, -1, 0.0
     shoulder, _, wrist = parts
     costs = join_parts(parts)
-    best, lowest, others = branch, math.inf, math.inf
+    best, lowest = branch, math.inf
     for first in range(0, 8 if branch < 0 else 0, 4):
         here = first + (2 if one_of(shoulder, first + 2) < one_of(shoulder, first) - TIE else 0)
         here += 1 if one_of(wrist, first + 1) < one_of(wrist, first) - TIE else 0
-        value, rest = one_of(costs, here), max(one_of(shoulder, here), one_of(wrist, here))
-        # Of two that the elbow makes equal, the one with more room for the other joints.
-        if value < lowest - TIE or (value <= lowest + TIE and rest < others - TIE):
-            best, lowest, others = here, value, rest
+        if one_of(costs, here) < lowest - TIE:
+            best, lowest = here, one_of(costs, here)
     a, b, c, d, e, f, g = q
     posture = (
         one_of(a, best),

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.entries.kinematics import jacobian_range
+from srs_ik.kernels.entries.pose import solve as nearest
+from srs_ik.kernels.layout.answer import OK, ROW, ROW_STATUS
 from srs_ik.kernels.layout.limb import LIMITED, SHIFT
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.path.problem import JUST_ABOVE, ROUNDED, Problem, Stopped, Way, steps_of, worth
@@ -115,10 +117,12 @@ def put_nearest(problem: Problem, q: Array, i: int, seed: Array) -> bool:
     if problem.has_known[i]:
         q[i] = problem.known[i]
         return True
-    nearest = problem.solve(i, seed)
-    if nearest:
-        q[i] = nearest.q
-    return bool(nearest)
+    row = np.empty(ROW)
+    nearest(problem.arm.family, problem.T[i], -1, np.ascontiguousarray(seed), True, True, row)
+    met = bool(row[ROW_STATUS] == OK)
+    if met:
+        q[i] = row[:7]
+    return met
 
 
 def about(problem: Problem, q: Array) -> Way:
