@@ -17,7 +17,7 @@ from srs_ik.robot import changes
 from srs_ik.robot.arguments import check_path, check_texts
 from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh, with_oddities_noted
 from srs_ik.robot.card import Placement
-from srs_ik.robot.chain import Chain, build_chain
+from srs_ik.robot.chain import Chain, build_chain, refuse_followers
 from srs_ik.robot.description.srdf import chain_of, disabled
 from srs_ik.robot.limb import Hand, SrsLimb, Vector
 from srs_ik.robot.locked import as_locked, configuration_of, with_followers
@@ -104,13 +104,14 @@ def load(
             raise InvalidRobot("srdf names a chain, with its base and tip: it goes with neither base nor tip")
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
-    description = _standing(describe(source, urdf, xacro_args, allow_xacro), locked)
+    told = describe(source, urdf, xacro_args, allow_xacro)
+    description = _standing(told, locked)
     if srdf is not None:
         base, tip = chain_of(srdf, limb, _skeleton(description))
         limb = None
     joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip, description.locked)
-    _refuse_followers(description, chain, locked or {})
+    refuse_followers(told.robot, chain, {*told.locked, *(locked or ())})
     described = chain
     for changed in (description.limits, limits):
         others = set(description.robot.model.names) - set(chain.joint_names)
@@ -193,7 +194,7 @@ def _warn_of_oddities(description: Description, chain: Chain, limb: SrsLimb, giv
     model, locked = description.robot.model, description.locked
     elsewhere = [
         *out_of_range(model, chain.between, locked),
-        *tied_between(chain.between, _ties(description), locked),
+        *tied_between(chain.between, description.robot.ties, locked),
         *still_beyond(model, chain.joint_names[-1], chain.between, chain.tip, locked),
     ]
     for clause in (*odd_limits(limits), *odd_size(limb), *elsewhere):
@@ -207,26 +208,6 @@ def _standing(description: Description, locked: Any) -> Description:
         together = {**given, **locked} if isinstance(locked, Mapping) else locked
         given = as_locked(together, robot.model, robot.followers)
     return replace(description, locked=with_followers(robot.model, given, robot.followers))
-
-
-def _ties(description: Description) -> dict[str, str]:
-    """Joints that are tied to others, of which is not known how, each with a clause that says so."""
-    robot = description.robot
-    return {name: clause for name, clause in robot.mimic_joints.items() if name not in robot.followers}
-
-
-def _refuse_followers(description: Description, chain: Chain, locked: Collection[str]) -> None:
-    """Raise NotAnSrsLimb where a joint between base and tip follows one of the arm, and nobody says where it stands."""
-    followers = description.robot.followers
-    for name in chain.between:
-        leader = name
-        for _ in followers:
-            leader = followers[leader].leader if leader in followers and leader not in locked else leader
-        if leader != name and leader in chain.joint_names:
-            where = f"{quoted(name)}, between base {quoted(chain.base)} and tip {quoted(chain.tip)}"
-            why = f"follows {quoted(leader)}, a joint of the arm, and moves with it"
-            how = f"choose a base and tip on one side of it, or hold it by locked={{{name!r}: ...}}"
-            raise NotAnSrsLimb(f"{description.robot.source}: {where}, {why}; {how}", chain.joint_names)
 
 
 def _skeleton(description: Description) -> Skeleton:

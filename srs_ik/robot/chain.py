@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import InvalidRobot, NotAnSrsLimb
+from srs_ik.errors import InvalidRobot, NotAnSrsLimb, quoted
+from srs_ik.robot.description import RobotModel
 from srs_ik.robot.limb import ReadOnlyArrays, Vector
 from srs_ik.robot.locked import configuration_of
 from srs_ik.robot.skeleton import Skeleton, frame_of
@@ -91,6 +92,19 @@ def build_chain(
         locked=dict(locked or {}),
         between={model.names[joint]: _part(model.joints[joint], configuration) for joint in between},
     )
+
+
+def refuse_followers(robot: RobotModel, chain: Chain, held: Collection[str]) -> None:
+    """Raise NotAnSrsLimb where a joint between base and tip follows one of the chain, and is not held by itself."""
+    for name in chain.between:
+        leader = name
+        for _ in robot.followers:
+            leader = robot.followers[leader].leader if leader in robot.followers and leader not in held else leader
+        if leader != name and leader in chain.joint_names:
+            where = f"{quoted(name)}, between base {quoted(chain.base)} and tip {quoted(chain.tip)}"
+            why = f"follows {quoted(leader)}, a joint of the arm, and moves with it"
+            how = f"choose a base and tip on one side of it, or hold it by locked={{{name!r}: ...}}"
+            raise NotAnSrsLimb(f"{robot.source}: {where}, {why}; {how}", chain.joint_names)
 
 
 def _between(model: Any, joints: Sequence[int], base: str, tip: str) -> list[int]:

@@ -43,6 +43,11 @@ class RobotModel:
     followers: Mapping[str, Follower] = field(default_factory=dict)  # those of them of which is known how they follow
     drawing: Drawing | None = None  # where its shapes are; None for a bare model and for MJCF
 
+    @property
+    def ties(self) -> dict[str, str]:
+        """The joints that are tied to others, of which is not known how, each with a clause that says so."""
+        return {name: clause for name, clause in self.mimic_joints.items() if name not in self.followers}
+
 
 def load_model(
     source: Any, xacro_args: Mapping[str, str] | None = None, packages: Mapping[str, str] | None = None

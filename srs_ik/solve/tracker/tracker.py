@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.collision.scenes.figures import as_margin, refuse_margin
-from srs_ik.errors import InvalidConfiguration, InvalidPose, MissingLimits, quoted, warn_caller
+from srs_ik.errors import InvalidConfiguration, InvalidPose, quoted, warn_caller
 from srs_ik.inputs.angles import as_joint_vector
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
-from srs_ik.inputs.numbers import as_positive, per_joint, real_number
+from srs_ik.inputs.numbers import real_number
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix, as_target
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
@@ -27,6 +27,7 @@ from srs_ik.solve.solution import Solution
 from srs_ik.solve.tracker.braking import braking
 from srs_ik.solve.tracker.elbow import Choose, chosen, is_scene
 from srs_ik.solve.tracker.jerk import JerkFilter
+from srs_ik.solve.tracker.limits import as_period, kept, limits_of, pushes, usual_accelerations
 from srs_ik.solve.tracker.step import TrackerStep
 from srs_ik.system.arrays import Array
 
@@ -36,18 +37,6 @@ if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
     from srs_ik.solve.solution import Collision
     from srs_ik.solve.tracker.guard import Guard
-
-SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 100.0
-MOST = {"velocity": 1e6, "acceleration": 1e9, "jerk": 1e12}
-"""Updates so far apart at least and at most, s, and joints so fast, rad/s, rad/s^2, rad/s^3: beyond that, figures
-overflow."""
-
-FULL_SPEED_IN = 0.1
-"""Where no accelerations are given, each joint may come to its largest velocity in so many seconds."""
-
-SOON = 0.05
-"""A joint without a limit of acceleration comes to its largest velocity in so many seconds at the least: more than that
-brings targets back no sooner, and shakes the arm."""
 
 CHOSEN_EVERY = 10
 """Updates from one choice of an arm angle, by a point or the bodies of a scene, to the next."""
@@ -60,7 +49,6 @@ CLOSE_BY = 1.0
 
 PATIENCE = 0.05
 """Time constant, seconds, in which a target that is lost is expected to slow down."""
-
 
 FED_BACK = 20
 """So many resets, each after a single update, are a loop that feeds measured joints back."""
@@ -107,27 +95,18 @@ class Tracker(Fixed):
         # One update at a time, whoever asks.
         self._one = RLock()
         velocity, acceleration, jerk = bounds
-        self.dt = as_positive(dt, "dt", "seconds")
-        if not SHORTEST_PERIOD <= self.dt <= LONGEST_PERIOD:
-            raise InvalidConfiguration(
-                f"dt is the time between two updates, {SHORTEST_PERIOD:g} s at least and {LONGEST_PERIOD:g} s at most, "
-                f"not {self.dt:g}"
-            )
-        self.velocity_limit = _limits(velocity, packed, "velocity", packed.velocity_limit)
-        known = packed.acceleration_limit
-        usual = np.where(np.isfinite(known), known, self.velocity_limit / FULL_SPEED_IN)
-        self.acceleration_limit = _limits(acceleration, packed, "acceleration", usual, endless=True)
+        self.dt = as_period(dt)
+        self.velocity_limit = limits_of(velocity, packed, "velocity", packed.velocity_limit)
+        usual = usual_accelerations(packed, self.velocity_limit)
+        self.acceleration_limit = limits_of(acceleration, packed, "acceleration", usual, endless=True)
         self._settings = np.zeros(at.SETTINGS + PARAMS)
         self._settings[at.PERIOD] = self.dt
         self._settings[at.SPEED : at.ACCELERATION] = self.velocity_limit
-        at_will = np.minimum(self.velocity_limit / SOON, self.velocity_limit / self.dt)
-        self._settings[at.ACCELERATION : at.SMOOTHING] = np.where(
-            np.isinf(self.acceleration_limit), at_will, self.acceleration_limit
-        )
+        self._settings[at.ACCELERATION : at.SMOOTHING] = pushes(self.acceleration_limit, self.velocity_limit, self.dt)
         self._settings[at.PATIENCE] = PATIENCE
         self._work = np.zeros((8, 16, 9))
         self._nowhere = np.eye(4)
-        self.jerk_limit = None if jerk is None else _limits(jerk, packed, "jerk", np.empty(7))
+        self.jerk_limit = None if jerk is None else limits_of(jerk, packed, "jerk", np.empty(7))
         self.free_axis = None if free_axis is None else as_free_axis(free_axis)
         if self.free_axis is not None:
             self._settings[at.HAS_FREE] = 1.0
@@ -422,31 +401,7 @@ class Tracker(Fixed):
         self.__dict__.update(state, _one=RLock())
         for limits in (self.velocity_limit, self.acceleration_limit, self.jerk_limit):
             if limits is not None:
-                _kept(limits)
+                kept(limits)
 
     def __repr__(self) -> str:
         return f"<Tracker of {self._packed.name}, {self.dt:g} s, elbow {self._elbow!r}>"
-
-
-def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Array, endless: bool = False) -> Array:
-    """(7,) positive figures: those given, one for all or one a joint, or the arm's own; finite ones but where told."""
-    if given is None:
-        missing = ~(np.isfinite(default) & (default > 0.0))
-        if missing.any():
-            names = [packed.joint_names[j] for j in np.flatnonzero(missing)]
-            raise MissingLimits("velocity", names, packed.name)
-        return _kept(np.minimum(default, MOST[what]))
-    figures = per_joint(given, what, MOST[what], endless)
-    own = np.where(default > 0.0, default, np.inf)
-    if what == "velocity" and (figures > own * (1.0 + 1e-9)).any():
-        j = int((figures / own).argmax())
-        warn_caller(
-            f"joint {packed.joint_names[j]!r} may go at {figures[j]:.4g} rad/s, its own limit is {default[j]:.4g}"
-        )
-    return _kept(figures)
-
-
-def _kept(figures: Array) -> Array:
-    """Figures that nobody can change."""
-    figures.setflags(write=False)
-    return figures

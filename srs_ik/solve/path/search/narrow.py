@@ -39,6 +39,9 @@ SPACED = 0.4
 ONE_CURVE = 1.0
 """Of a path that leads farther than this about a posture, rad, its curve tells little."""
 
+SLIVER = 1e-4
+"""An interval of arm angles that is narrower than this, rad, lies between a limit and a singular posture."""
+
 
 @dataclass
 class Part:
@@ -246,3 +249,8 @@ def above_plan(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) ->
 def from_keys(some: Marks, keys: NDArray[np.int64], n: int) -> Marks:
     """(n,) the poses from some planned ones on to the next."""
     return np.append(some, False)[np.searchsorted(keys, np.arange(n), side="right") - 1]
+
+
+def is_in_slivers(way: Way) -> bool:
+    """Whether a path leads through intervals so narrow that joints turn fast in them: coarse strips tell little."""
+    return bool((way.bounds[:, 1] - way.bounds[:, 0] < SLIVER).any())

@@ -28,6 +28,7 @@ from srs_ik.solve.path.search.narrow import (
     held_about,
     held_below,
     held_between,
+    is_in_slivers,
     worse,
 )
 from srs_ik.solve.path.search.on_curves import worth_of
@@ -69,9 +70,6 @@ OTHER_ENDS = 8
 
 LET_IN = 1.02
 """Through slivers, fine strips hold what costs up to so many times the path at hand."""
-
-SLIVER = 1e-4
-"""An interval of arm angles that is narrower than this, rad, lies between a limit and a singular posture."""
 
 
 def found(problem: Problem) -> Way:
@@ -245,11 +243,6 @@ def in_rounds(problem: Problem, plan: Problem, last: Plan, best: Way, missed: bo
             last = Plan(far(plan, more), more, found, value)
         best = min(best, again, key=lambda each: each.cost)
     return best, last, torn
-
-
-def is_in_slivers(way: Way) -> bool:
-    """Whether a path leads through intervals so narrow that joints turn fast in them: coarse strips tell little."""
-    return bool((way.bounds[:, 1] - way.bounds[:, 0] < SLIVER).any())
 
 
 def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
