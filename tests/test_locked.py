@@ -10,6 +10,7 @@ from robot_files import joint_xml, serial_arm
 
 import srs_ik
 from srs_ik.errors import InvalidConfiguration, InvalidRobot, NotAnSrsLimb
+from srs_ik.loading.adapter import write_adapter
 
 LOCKED = {"lift": 0.3, "waist": -0.7, "turn": 2.0}
 
@@ -274,3 +275,11 @@ def test_a_tip_that_a_joint_of_the_arm_moves_a_second_time_is_refused():
 def test_figures_of_mimicking_joints_are_checked(more):
     with pytest.raises(InvalidRobot, match=r"<mimic>.* of joint 'lift'"):
         srs_ik.load(led(more, AHEAD), base="floor")
+
+
+@pytest.mark.filterwarnings("ignore:.*it stays there while its leader moves")
+def test_an_adapter_may_hold_a_joint_that_follows_one_of_the_arm(tmp_path):
+    file, adapter = tmp_path / "body.urdf", tmp_path / "robot.toml"
+    file.write_text(led('joint="j7"'))
+    write_adapter(adapter, file, srs_ik.load(file, base="floor", locked={"lift": 0.2}))
+    assert srs_ik.load(adapter).locked == {"lift": 0.2}
