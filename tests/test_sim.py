@@ -14,7 +14,7 @@ import srs_ik
 from srs_ik.control import ForceProfile, FractalImpedance, JointSpeeds, TorqueController
 from srs_ik.control.baselines import Gains, JointImpedance, LinearImpedance, OperationalSpace
 
-pytest.importorskip("mujoco", "3.14")
+mujoco = pytest.importorskip("mujoco", "3.14")
 
 from srs_ik.sim import Plant, Push, simulate
 
@@ -263,15 +263,25 @@ def test_baselines_reach_their_target(make):
 
 
 @pytest.mark.slow
-def test_ten_seconds_at_4_kHz_take_three_of_the_processor_at_most():
+def test_ten_seconds_at_4_kHz_take_few_times_the_steps_of_the_simulator_alone():
+    """About 3 s of a processor whose bare steps take 0.4 s; a ratio holds on any machine (5 to 9 seen)."""
     arm = arms.load("iiwa14")
-    plant, c = Plant(arm), controller(arm, False, limits=True, speeds=True)
+    plant, c, bare = Plant(arm), controller(arm, False, limits=True, speeds=True), Plant(arm)
     plant.reset(HOME)
     c.set_posture(HOME + 0.1)
-    begin = time.process_time()
-    record = simulate(plant, c, 10.0)
-    assert time.process_time() - begin < 3.0
-    assert len(record.t) == 40_000
+    controlled, alone = 0.0, 0.0
+    for _ in range(10):
+        # Turn by turn, for machines whose speed changes meanwhile.
+        begin = time.process_time()
+        record = simulate(plant, c, 1.0)
+        controlled += time.process_time() - begin
+        assert len(record.t) == 4_000
+        bare.reset(HOME)
+        begin = time.process_time()
+        for _ in range(4_000):
+            mujoco.mj_step(bare.model, bare.data)
+        alone += time.process_time() - begin
+    assert controlled < 15.0 * alone
     # Static: within 0.1 mm of the target.
     assert record.errors(arm.forward_kinematics(HOME + 0.1).homogeneous)[0][-1] < 1e-4
 
