@@ -14,7 +14,9 @@ import srs_ik
 from srs_ik.control import ForceProfile, FractalImpedance, JointSpeeds, TorqueController
 from srs_ik.control.baselines import Gains, JointImpedance, LinearImpedance, OperationalSpace
 
-mujoco = pytest.importorskip("mujoco", "3.14")
+pytest.importorskip("mujoco", "3.14")
+
+import mujoco
 
 from srs_ik.sim import Plant, Push, simulate
 
