@@ -1390,3 +1390,28 @@ def test_a_posture_between_two_limits_is_in_an_interval_where_the_elbow_is_almos
     away = [max(i.lower - psi, psi - i.upper) for i in arm.intervals(pose) if i.branch == branch]
     assert min(away) < 1e-9
     assert_intervals_are_met(bench, arm, q)
+
+
+SLOW_ELBOWS = [
+    (0, "-5.305377050926522 -0.4361130506359818 -1.3425870636144008 4.064385660980546 -1.5474114084837058 "
+        "5.119097749879657 1.0751495708385908"),
+    (10, "-0.008327013976169972 -3.8812328885147576 1.3150194640390316 1.9568145381026159 -2.3881160968941706 "
+         "2.8688728701392554 -5.003679887196347"),
+    (21, "0.8275977552127358 0.8723782154271902 2.700824097686321 -1.666752465218698 4.066097716525877 "
+         "5.904494962449411 -4.378662069945197"),
+    (23, "-0.22787196441728086 -2.2816202348851475 3.176064478391794 2.0780011550889066 -0.35143312026046836 "
+         "-1.4236043321246123 -2.9464547576311197"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("number", "given"), SLOW_ELBOWS)
+def test_an_interval_ends_where_an_elbow_on_its_limit_leaves_it_slowly(bench, number, given):
+    """The arm angle turns such an elbow by 1e-8 of its own way, so 1e-13 rad of it are 1e-5 of that."""
+    arm, _ = next(islice(subjects()["arms_of"]("random_rounded", 1000, 91000001), number, None))
+    q = np.array(given.split(), float)
+    pose, psi, branch = arm.forward_kinematics(q), arm.arm_angle(q), arm.branch(q)
+    turns = [abs(i.lower + 0.5 * i.width - psi) % (2.0 * np.pi) for i in arm.intervals(pose) if i.branch == branch]
+    widths = [i.width for i in arm.intervals(pose) if i.branch == branch]
+    away = [min(turn, 2.0 * np.pi - turn) - 0.5 * width for turn, width in zip(turns, widths, strict=True)]
+    assert min(away) < 1e-6
+    assert_intervals_are_met(bench, arm, q)

@@ -31,6 +31,10 @@ LIMITS_IN_TURN = 3
 ON_LIMIT = 1e-12
 """An edge is looked for on so many limits, one after the other; a posture on one, rad, keeps it."""
 
+SLOWLY = 1e-8
+LONGER = 4.0
+"""Behind a posture on a limit, a joint that leaves it slowly is followed in steps from this on, each longer by this."""
+
 
 @kernel
 def is_exact(P):
@@ -219,6 +223,25 @@ def edge_on_limit(P, by, curve, x, y):
 
 
 @kernel
+def last_on_limit(P, by, branch, curve, x, y):
+    """The last feasible parameter behind one on a limit, towards one that is not feasible.
+
+    Where a joint hardly moves, as an elbow does that the arm angle turns only by what axes miss, what rounding leaves
+    of its angle is a long way along the curve.
+    """
+    step = SLOWLY
+    while abs(y - x) > SLOWLY:
+        m = x + math.copysign(min(step, 0.5 * abs(y - x)), y - x)
+        _, f = on_curve(P, by, branch, curve, m)
+        if f > 0.0:
+            y = m
+        else:
+            x = m
+            step *= LONGER
+    return x
+
+
+@kernel
 def edge(P, by, branch, curve, inside, outside):
     """The last feasible parameter from a feasible one towards one that is not, each with its infeasibility.
 
@@ -241,8 +264,11 @@ def edge(P, by, branch, curve, inside, outside):
         if hidden:
             f = 1.0 if f > 0.0 else -1.0
         crossing = tell_figure(crossing, m, f)
-    q, _ = on_curve(P, by, branch, curve, crossing[0])
-    return crossing[0], q
+    x = crossing[0]
+    if not is_exact(P) and by.respect:
+        x = last_on_limit(P, by, branch, curve, x, crossing[3])
+    q, _ = on_curve(P, by, branch, curve, x)
+    return x, q
 
 
 @kernel
