@@ -14,6 +14,8 @@ from srs_ik.solve import bands
 CLOSED = 1e-9
 """An arm angle this close to an end, rad, is in the interval."""
 
+TURN = 2.0 * np.pi
+
 USUAL = 0.3
 """Wider bands are not used, rad."""
 
@@ -186,3 +188,40 @@ def test_where_nothing_is_foretold_bands_have_no_end():
     # As of an elbow whose axis passes the shoulder by a tenth of a millimetre.
     with np.errstate(all="raise"):
         assert bands._above(np.array([0.1, np.inf]), np.array([0.5, 0.1]), np.inf) == (np.inf, 0.0)
+
+
+NARROW = ("gen3", "j2s7s300", "rm75", "iiwa14_experimental")
+
+
+@pytest.mark.parametrize("name", [name for name in arms.here(*NARROW)])
+@pytest.mark.parametrize("width", [0.0, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2])
+def test_limits_narrower_than_the_band_do_not_hide_what_they_leave(name, width):
+    """Next to a singular shoulder the middle joint is off by the square of the band over its sine: it was left out."""
+    whole, rng = arms.load(name), np.random.default_rng(3)
+    for _ in range(40):
+        q = rng.uniform(-3.0, 3.0, 7)
+        arm = whole.with_limits(lower=q - width * rng.random(7), upper=q + width * rng.random(7))
+        pose, psi = arm.forward_kinematics(q), arm.arm_angle(q)
+        assert arm.solve(pose)
+        assert arm.reachable_batch([pose])[0]
+        found = [i for i in arm.intervals(pose) if i.branch == arm.branch(q)]
+        beside = [min((psi - i.lower) % TURN, (i.lower - psi) % TURN, (psi - i.upper) % TURN) for i in found]
+        inside = [(psi - i.lower) % TURN <= i.width for i in found]
+        assert any(inside) or min(beside, default=TURN) < 1e-6, q.tolist()
+
+
+def margin_of(arm, q):
+    """How far the joint closest to a limit is from it, by half of its range."""
+    half = 0.5 * (arm.upper - arm.lower)
+    return np.min(np.where(np.isfinite(half), np.minimum(q - arm.lower, arm.upper - q) / half, 1.0))
+
+
+@pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))
+def test_without_limits_the_posture_farthest_from_them_is_the_same_where_it_is_inside(name):
+    arm = arms.load(name)
+    for q in arms.configurations(name, 60, 5):
+        pose = arm.forward_kinematics(q)
+        inside, free = arm.solve(pose), arm.solve(pose, respect_limits=False)
+        assert inside
+        assert free
+        assert margin_of(arm, free.q) == pytest.approx(margin_of(arm, inside.q), abs=1e-9)

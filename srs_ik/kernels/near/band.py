@@ -275,12 +275,29 @@ def may_tell_none(P, place_, band):
 
 
 @kernel
+def band_at_limit(P, band, j, limit):
+    """The band of joint 2, 4 or 6 at one of its limits.
+
+    Next to a singular shoulder or wrist, what turns axis 3 sideways turns the middle joint by its square over twice the
+    sine of that. Where bands were measured, it is part of them.
+    """
+    if j == 3 or math.isinf(limit):
+        return band[j]
+    k = at.SHOULDER if j == 1 else at.WRIST
+    off = nearness(k, band)
+    sine = max(abs(math.sin(limit - P[k + at.PHASE])), off)
+    return band[j] + max(0.5 * off * off * (1.0 / sine - 1.0 / WELL_BENT), 0.0)
+
+
+@kernel
 def widen(P, band, factor, box):
     """Copy a packed limb to `box`, its limits drawn out by a band times a factor; whether it has any room."""
     copy(P, box, at.SIZE)
     box[at.BAND] = factor * outer_band_of_limits(P, band)
     for j in range(1, 7, 2):
-        lower, upper = P[at.LOWER + j] - factor * band[j], P[at.UPPER + j] + factor * band[j]
+        lower, upper = P[at.LOWER + j], P[at.UPPER + j]
+        lower -= factor * band_at_limit(P, band, j, lower)
+        upper += factor * band_at_limit(P, band, j, upper)
         if lower > upper:
             return False
         set_limit(box, j, lower, upper)

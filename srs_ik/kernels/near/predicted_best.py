@@ -158,7 +158,8 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
 @kernel
 def search_true(P, target, branch, goal, J, A):
     """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
-    if goal.respect and not goal.seeded:
+    if not goal.seeded:
+        # The largest margin of all, if any is inside the limits, whether these have to be kept or not.
         found, certain = predicted_best(P, target, branch, J, A)
         if certain:
             return found.q, branch_of(P, found.q), found.cost
