@@ -212,8 +212,9 @@ def test_limits_narrower_than_the_band_do_not_hide_what_they_leave(name, width):
 
 def margin_of(arm, q):
     """How far the joint closest to a limit is from it, by half of its range."""
-    half = 0.5 * (arm.upper - arm.lower)
-    return np.min(np.where(np.isfinite(half), np.minimum(q - arm.lower, arm.upper - q) / half, 1.0))
+    has = np.isfinite(arm.upper)
+    lower, upper = arm.lower[has], arm.upper[has]
+    return np.min(np.minimum(q[has] - lower, upper - q[has]) / (0.5 * (upper - lower)))
 
 
 @pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))

@@ -275,18 +275,24 @@ def may_tell_none(P, place_, band):
 
 
 @kernel
+def turned_by_sideways(sine, off):
+    """How far a middle angle with this sine may be off, rad, where axis 3 is turned sideways by some angle."""
+    return sine - math.sqrt(sine * sine - off * off) if sine > off else off
+
+
+@kernel
 def band_at_limit(P, band, j, limit):
     """The band of joint 2, 4 or 6 at one of its limits.
 
-    Next to a singular shoulder or wrist, what turns axis 3 sideways turns the middle joint by its square over twice the
-    sine of that. Where bands were measured, it is part of them.
+    Next to a singular shoulder or wrist, what turns axis 3 sideways turns the middle joint, too. Where bands were
+    measured, that is part of them.
     """
     if j == 3 or math.isinf(limit):
         return band[j]
     k = at.SHOULDER if j == 1 else at.WRIST
     off = nearness(k, band)
-    sine = max(abs(math.sin(limit - P[k + at.PHASE])), off)
-    return band[j] + max(0.5 * off * off * (1.0 / sine - 1.0 / WELL_BENT), 0.0)
+    sine = min(abs(math.sin(limit - P[k + at.PHASE])), WELL_BENT)
+    return band[j] + turned_by_sideways(sine, off) - turned_by_sideways(WELL_BENT, off)
 
 
 @kernel
