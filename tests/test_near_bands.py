@@ -193,7 +193,7 @@ def test_where_nothing_is_foretold_bands_have_no_end():
 NARROW = ("gen3", "j2s7s300", "rm75", "iiwa14_experimental")
 
 
-@pytest.mark.parametrize("name", [name for name in arms.here(*NARROW)])
+@pytest.mark.parametrize("name", arms.here(*NARROW))
 @pytest.mark.parametrize("width", [0.0, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2])
 def test_limits_narrower_than_the_band_do_not_hide_what_they_leave(name, width):
     """Next to a singular shoulder the middle joint is off by the square of the band over its sine: it was left out."""
