@@ -630,10 +630,7 @@ class Arm(BodyOwner):
             return asked.solve_task(task, side, respect, tie, threads, seed)
         from srs_ik.solve import free_task
 
-        def ask(each: Task, near: Any) -> Any:
-            return asked.solve_task(each, side, respect, tie, threads, near)
-
-        return free_task.solve_task(self.packed, ask, task, free_axis, seed)
+        return free_task.solve_task(self.packed, asked, task, (side, respect, tie, threads), free_axis, seed)
 
     # Many configurations ----------------------------------------------------------------------------------------
 

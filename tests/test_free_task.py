@@ -11,6 +11,7 @@ from srs_ik.errors import SrsIkError
 BETTER = 2e-4
 """How much closer to the plane of its task, rad, a turn of the grid may be: distances from the seed count, too."""
 
+Z = np.array([0.0, 0.0, 1.0])
 AXES = ([0.0, 0.0, 1.0], [0.6, -0.3, 0.8])
 
 
@@ -62,6 +63,23 @@ def test_no_roll_of_a_dense_grid_serves_the_task_better(name, axis):
             at_best = turned(task, R, R.T @ found.T_base_tip[:3, :3])
             assert plane_off(arm, at_best, found.q) + found.angle_lost <= best + BETTER
     assert compared >= 2
+
+
+@pytest.mark.parametrize("name", arms.here("human_arm", "iiwa14"))
+def test_a_turn_that_narrow_limits_leave_is_found(name):
+    """Limits leave little more than one posture, whose hand leans from that of the task, but within the cone."""
+    rng = arms.generator(name, 330)
+    for q in arms.configurations(name, 12, 331):
+        tip, hand = arms.forward(name)(q), arms.load(name).hand
+        arm = arms.load(name).with_limits(lower=q - 0.03, upper=q + 0.03)
+        lean = pin.exp3(0.15 * rng.uniform(0.5, 1.0) * pin.exp3(rng.uniform(0.0, 6.0) * Z)[:, 0])
+        velocity, force = rng.normal(size=(2, 3))
+        grasp, across = (tip.rotation @ lean @ axis for axis in hand)
+        found = arm.solve_task(Task(tip.translation, velocity, force, grasp, across), free_axis=FreeAxis(Z, cone=0.15))
+        assert found
+        reached = arms.forward(name)(found.q)
+        np.testing.assert_allclose(reached.translation, tip.translation, atol=1e-9)
+        assert FreeAxis(Z, cone=0.15).lean(reached.rotation, tip.rotation @ lean) < 1e-9
 
 
 def test_within_a_cone_it_is_no_worse_than_the_roll_alone():

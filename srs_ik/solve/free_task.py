@@ -3,7 +3,8 @@
 A turn costs the angle between the plane of the posture and that of the task, and `angle_lost` on top: what the limits
 keep the elbow from, and a little by the distance from the seed, or by the margin to the limits: of turns that are as
 good, up to thousandths of a radian, the nearest is taken. All over the free turns some are looked at, and from the best
-of them a compass search closes in.
+of them a compass search closes in. Where none of these does the task, the search for a posture with a free axis tells
+whether any turn does, and the compass search begins there.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from srs_ik.errors import InvalidTask
 from srs_ik.inputs.angles import as_seeds, seed_of
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
 from srs_ik.inputs.task import Task
-from srs_ik.solve.solution import Status
+from srs_ik.solve.kinematics import forward_kinematics_batch
+from srs_ik.solve.solution import Solution, Status
 from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 from srs_ik.system.arrays import Array
 
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
 
 Ask = Callable[[Task, Any], Any]
 """Solves tasks near a seed, or without one."""
+
+AskAny = Callable[[Array, Any], Solution]
+"""Solves a pose (4, 4) at any of the free turns, near a seed or without one."""
 
 LOOKED_AT = {True: 48, False: 192}
 """Turns that are looked at: rolls alone, and turns of a cone."""
@@ -45,14 +50,25 @@ FORBIDDEN = 10.0
 """Cost of a turn at which the task cannot be done, rad."""
 
 
-def solve_task(arm: PackedArm, ask: Ask, task: Task, free_axis: Any, seed: ArrayLike | None) -> Any:
-    """See `Arm.solve_task`, with a free axis."""
-    free = as_free_axis(free_axis)
+def solve_task(arm: PackedArm, asked: Any, task: Task, question: Any, free_axis: Any, seed: ArrayLike | None) -> Any:
+    """See `Arm.solve_task`, with a free axis.
+
+    `asked` answers within the limits alone or in a scene; the question is that of its `solve_task`, but for the seed.
+    """
+    free, respect = as_free_axis(free_axis), question[1]
+
+    def ask(each: Task, near: Any) -> Any:
+        return asked.solve_task(each, *question, near)
+
+    def ask_any(T: Array, near: Any) -> Solution:
+        found: Solution = asked.solve_free(T, free, near, respect)
+        return found
+
     if task.grasp is None or task.pronosupination is None:
         raise InvalidTask("free_axis turns a hand whose rotation is known: give the task grasp and pronosupination")
     count = 1 if task.count is None else task.count
     seeds = as_seeds(seed, count, arm.lower, arm.upper)
-    found = [best_turn(arm, ask, one_of(task, i), free, seed_of(seeds, i)) for i in range(count)]
+    found = [best_turn(arm, ask, one_of(task, i), free, seed_of(seeds, i), ask_any) for i in range(count)]
     if task.count is None:
         return found[0]
     rows = np.array([each._row for each in found])
@@ -69,9 +85,12 @@ def one_of(task: Task, i: int) -> Task:
     return Task(*(None if f is None else f[i] for f in fields))  # type: ignore[arg-type]
 
 
-def best_turn(arm: PackedArm, ask: Ask, task: Task, free: FreeAxis, seed: Array | None) -> TaskSolution:
+def best_turn(
+    arm: PackedArm, ask: Ask, task: Task, free: FreeAxis, seed: Array | None, ask_any: AskAny | None = None
+) -> TaskSolution:
     """The answer to one task, which gives grasp and pronosupination, at the turn that is best for it."""
-    R = ask(task, seed).T_base_tip[:3, :3]
+    T: Array = ask(task, seed).T_base_tip
+    R = T[:3, :3]
     grasp, across = R.T @ np.asarray(task.grasp), R.T @ np.asarray(task.pronosupination)
 
     def answers(turns: Array) -> tuple[BatchTaskSolution, Array]:
@@ -81,6 +100,10 @@ def best_turn(arm: PackedArm, ask: Ask, task: Task, free: FreeAxis, seed: Array 
 
     turns = free.sampled(LOOKED_AT[free.cone == 0.0])
     found, costs = answers(turns)
+    none = not (np.asarray(found.status) == Status.OK).any()
+    if none and ask_any is not None and (met := ask_any(T, seed)):
+        turns = R.T @ forward_kinematics_batch(arm, met.q[None], 1)[:, :3, :3]
+        found, costs = answers(turns)
     best, least = found[int(costs.argmin())], float(costs.min())
     spacing = 2.0 * math.pi / LOOKED_AT[True] if free.cone == 0.0 else 0.5
     for start in np.argsort(costs, kind="stable")[:FROM].tolist():
