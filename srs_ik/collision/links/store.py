@@ -25,6 +25,9 @@ _VERSION = "1"
 
 _DIGITS = 12
 
+_MOST_BYTES = 1 << 20
+"""Of a file that is read: some 30,000 spheres, many times what covers a body."""
+
 _memory: dict[str, Array] = {}
 
 
@@ -32,8 +35,11 @@ def _folder() -> Path | None:
     named = os.environ.get("SRS_IK_CACHE")
     if named is not None:
         return Path(named) if named else None
-    root = os.environ.get("XDG_CACHE_HOME")
-    return (Path(root) if root else Path.home() / ".cache") / "srs_ik" / "spheres"
+    root = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    if not root.is_absolute():
+        # Users of a container may have no home.
+        root = Path(os.path.expanduser("~"), ".cache")
+    return root / "srs_ik" / "spheres" if root.is_absolute() else None
 
 
 def key_of(what: str, *figures: Array | NDArray[np.int64]) -> str:
@@ -62,8 +68,9 @@ def load(key: str) -> Array | None:
     if folder is None:
         return None
     try:
-        rows = np.load(folder / f"{key}-{_VERSION}.npy", allow_pickle=False)
-    except (OSError, ValueError, EOFError):
+        with open(folder / f"{key}-{_VERSION}.npy", "rb") as file:
+            rows = np.lib.format.read_array(io.BytesIO(file.read(_MOST_BYTES)), allow_pickle=False)
+    except (OSError, ValueError, EOFError, MemoryError):
         return None
     if rows.ndim != 2 or rows.shape[1] != 4 or rows.dtype != np.float64 or not np.isfinite(rows).all():
         return None
