@@ -298,3 +298,11 @@ def test_joints_that_are_fed_back_before_every_update_are_warned_of_once():
         for _ in range(50):
             tracker.reset(q0)
             assert [tracker.update(T) for _ in range(2)]
+
+
+def test_a_target_at_the_end_of_what_is_a_pose_has_a_finite_error():
+    pytest.importorskip("ruckig")
+    arm, away = arms.load("iiwa14"), 1e300
+    tracker = arm.tracker(np.zeros(7), DT, jerk=100.0, free_axis=ROLL)
+    step = tracker.update(pin.SE3(np.eye(3), np.array([away, 0.0, 0.0])))
+    np.testing.assert_allclose(step.position_error, away)

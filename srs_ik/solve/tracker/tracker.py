@@ -350,7 +350,8 @@ class Tracker(Fixed):
             return self._arm.verify(T, q)
         tip = self._arm.forward_kinematics(q)
         lean = self.free_axis.lean(tip.rotation, T[:3, :3])
-        return float(np.linalg.norm(tip.translation - T[:3, 3])), lean
+        # The square of 1e300 m is no float.
+        return math.hypot(*(tip.translation - T[:3, 3]).tolist()), lean
 
     def reconfigure(self, pose: PoseLike | None = None) -> Solution:
         """Let the arm go to the posture of a pose that is nearest to the present one, in whatever configuration.
