@@ -66,6 +66,29 @@ def test_limits_tool_and_mount_of_an_adapter(arm_file, tmp_path):
     np.testing.assert_allclose(arm.forward_kinematics(np.zeros(7)).translation, expected, atol=1e-14)
 
 
+def test_an_adapter_of_an_adapter_keeps_its_side_limits_and_arguments(arm_file, tmp_path):
+    adapter, again = tmp_path / "robot.toml", tmp_path / "again.toml"
+    write_adapter(adapter, arm_file, srs_ik.load(arm_file))
+    said = adapter.read_text().replace('side = "either"', 'side = "right"')
+    adapter.write_text(f"{said}[limits]\nj3 = {{ lower = -1.5, acceleration = 4.0 }}\n[xacro]\ndof = '7'\n")
+    plain = srs_ik.load(adapter)
+    write_adapter(again, adapter, plain, {"hand": "no"})
+    arm, told = srs_ik.load(again), tomllib.loads(again.read_text())
+    np.testing.assert_array_equal([arm.lower, arm.upper], [plain.lower, plain.upper])
+    np.testing.assert_array_equal(arm.acceleration_limit, plain.acceleration_limit)
+    assert arm.lower[2] == -1.5
+    assert (told["side"], told["xacro"], list(told["limits"])) == ("right", {"dof": "7", "hand": "no"}, ["j3"])
+
+
+def test_no_adapter_is_written_of_one_whose_tool_or_mount_it_would_lose(arm_file, tmp_path):
+    adapter, again = tmp_path / "robot.toml", tmp_path / "again.toml"
+    write_adapter(adapter, arm_file, srs_ik.load(arm_file))
+    adapter.write_text(adapter.read_text() + "[tool]\nxyz = [0.0, 0.0, 0.1]\n[mount]\nxyz = [1, 2, 3]\n")
+    found = run("inspect", str(adapter), "--write", str(again))
+    assert (found.exit_code, again.exists()) == (2, False)
+    assert found.stderr == f"srs-ik: {adapter} is an adapter with [tool], [mount]: copy it, and change the copy\n"
+
+
 def test_frames_of_an_adapter_are_numbered_where_the_robot_has_their_names(tmp_path):
     """Many descriptions begin with a link "world", such as Kinova's of the Gen3."""
     ends = joint_xml("stand", "world", "l0", "fixed") + joint_xml("flange", "l7", "tool", "fixed")

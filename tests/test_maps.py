@@ -284,9 +284,27 @@ def test_maps_of_two_tools_are_compared_and_of_two_places_combined(made, tmp_pat
     assert found.both == pytest.approx((first & second).mean())
     assert found.first == pytest.approx((first & ~second).mean())
     assert found.second == pytest.approx((second & ~first).mean())
-    both = combine(a, b, tmp_path / "both.zarr")
+    with pytest.warns(UserWarning, match="given in 'iiwa_link_0', those of .* in 'world', and are taken as in one frame"):
+        both = combine(a, b, tmp_path / "both.zarr")
+    assert both.plan.robot["base"] == "iiwa_link_0, world"
     np.testing.assert_array_equal(both.measure("reached") > 0, first | second)
     np.testing.assert_array_equal(both.measure("width"), np.maximum(a.measure("width"), b.measure("width")))
+
+
+def test_two_arms_reach_what_either_does_though_joints_that_are_held_leave_no_width(tmp_path):
+    """And the larger margin and manipulability are theirs."""
+    arm = arms.load("iiwa14")
+    # Coarse, yet each arm reaches some cells that the other does not.
+    of = {"orientations": 12, "box": [[-0.9, 0.9], [-0.9, 0.9], [0.0, 1.2]], "measures": ["margin", "manipulability"]}
+    a = build_map(limited(arm, joint_3=(-0.4, -0.4)), 0.3, tmp_path / "a.zarr", **of)
+    b = build_map(limited(arm, joint_1=(2.0, 2.0)), 0.3, tmp_path / "b.zarr", **of)
+    first, second = a.measure("reached") > 0, b.measure("reached") > 0
+    assert not a.measure("width").any() and (second & ~first).any() and (first & ~second).any()
+    both = combine(a, b, tmp_path / "both.zarr")
+    assert both.plan.robot["base"] == "iiwa_link_0"
+    np.testing.assert_array_equal(both.measure("reached") > 0, first | second)
+    for name in ("widest", "margin", "manipulability"):
+        np.testing.assert_array_equal(both.measure(name), np.maximum(a.measure(name), b.measure(name)))
 
 
 def test_exports_hold_what_the_map_holds(made, tmp_path):

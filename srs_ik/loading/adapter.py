@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from srs_ik.errors import InvalidRobot
+from srs_ik.errors import InvalidRobot, listed
 from srs_ik.robot.arguments import check_path, check_xacro_args
-from srs_ik.robot.card import read_card
+from srs_ik.robot.card import RobotCard, read_card
 from srs_ik.robot.description.files import label_of
 from srs_ik.robot.limb import SrsLimb, Vector
 from srs_ik.robot.sides import side_of
-from srs_ik.robot.sources import places_of
+from srs_ik.robot.sources import card_of, places_of
 from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
@@ -33,6 +33,8 @@ _WRITTEN = 12
 def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Mapping[str, str] | None = None) -> None:
     """Write an adapter that `load` takes, with the frame conventions of an arm and a comment at each line to check.
 
+    Side, limits and arguments of xacro of an adapter from which the arm was loaded are kept.
+
     Args:
         path: the file to write; it must not exist.
         source: name, path or address from which the arm was loaded.
@@ -40,7 +42,8 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
         xacro_args: arguments with which a xacro file was read.
 
     Raises:
-        InvalidRobot: the file exists, its name does not end in ``.toml``, or it cannot be written.
+        InvalidRobot: the file exists, its name does not end in ``.toml``, or it cannot be written; or the arm was loaded
+            from an adapter with a tool or a mount, whose frames no description has.
     """
     check_path("path", path)
     check_xacro_args(xacro_args)
@@ -49,8 +52,12 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
         raise InvalidRobot(
             f"an adapter is a file whose name ends in .toml, such as robot.toml, not {label_of(path)}", path
         )
+    card = card_of(source)
+    if card is not None and (card.tool or card.mount):
+        lost = listed([f"[{name}]" for name in ("tool", "mount") if getattr(card, name)])
+        raise InvalidRobot(f"{label_of(source)} is an adapter with {lost}: copy it, and change the copy", path)
     places = [_as_written(place, path.absolute().parent) for place in places_of(source)]
-    text = _text(arm, places, xacro_args or {})
+    text = _text(arm, places, {**(card.xacro if card else {}), **(xacro_args or {})}, card)
     try:
         write_whole(path, text, replace=False)
     except FileExistsError:
@@ -96,10 +103,11 @@ def _as_written(place: str, folder: Path) -> str:
     return Path(os.path.relpath(place, folder)).as_posix()
 
 
-def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
+def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str], card: RobotCard | None) -> str:
     grasp, across = arm.hand or hand_axes(arm.limb)
     urdf = _string(places[0]) if len(places) == 1 else f"[{', '.join(map(_string, places))}]"
-    side = side_of((arm.base, arm.tip, *arm.joint_names))
+    side = card.side if card else side_of((arm.base, arm.tip, *arm.joint_names))
+    corrected = {name for name in arm.joint_names if card and name in card.limits}
     # Whoever gets the adapter from somebody has to say that the program may run.
     xacro = "; a program: allow_xacro=True, --allow-xacro" if any(map(_is_xacro, places)) else ""
     lines = [
@@ -132,7 +140,8 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
     lines += ["# [mount]", "# xyz = [0.0, 0.0, 0.0]", "# rpy = [0.0, 0.0, 0.0]"]
     lines += ['# name = "table"  # of the new base frame; without it "world", or "world_2" where the robot has that']
     lines += ["# gravity = [0.0, 0.0, -9.81]  # in the room, m/s^2; without it, gravity turns with the arm"]
-    lines += ["", "# Limits as they are read, to be corrected (rad, rad/s, N m, rad/s^2; inf for none):", "# [limits]"]
+    lines += ["", "# Limits as they are read, to be corrected (rad, rad/s, N m, rad/s^2; inf for none):"]
+    lines += ["[limits]" if corrected else "# [limits]"]
     for k, joint in enumerate(arm.joint_names):
         figures = zip(
             ("lower", "upper", "velocity", "effort", "acceleration"),
@@ -140,7 +149,7 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
             strict=True,
         )
         values = ", ".join(f"{key} = {_number(value)}" for key, value in figures)
-        lines.append(f"# {_string(joint)} = {{ {values} }}")
+        lines.append(f"{'' if joint in corrected else '# '}{_string(joint)} = {{ {values} }}")
     return "\n".join(lines) + "\n"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,9 @@ from srs_ik.maps.plan import OF_SCENE, OF_TASK, Plan
 from srs_ik.maps.reader import Map, check_map
 from srs_ik.maps.store import Store, create, folder_of
 from srs_ik.system.arrays import Array
+
+_LARGEST = ("widest", "margin", "manipulability")
+"""Measures that are the largest of their kind, so that two arms have the larger one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +65,10 @@ def compare(first: Map, second: Map) -> Compared:
 def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
     """The map of what either of two arms reaches, as a store of its own.
 
-    Both are boxes over the same cells, so of arms whose poses are given in the same frame (`Arm.with_base`). A cell has
-    the branches and pieces of the arm that reaches it with the larger width. Measures for a scene or a task stay out.
+    Both are boxes over the same cells, so of arms whose poses are given in the same frame (`Arm.with_base`); a warning
+    tells base frames of different names. A cell has the branches, pieces and width of the arm that reaches it with the
+    larger width, and the larger of each `widest`, `margin` and `manipulability`. Measures for a scene or a task stay
+    out.
 
     Raises:
         InvalidMap: their cells differ, they are half-planes, or one is damaged.
@@ -78,22 +84,33 @@ def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
     names = tuple(name for name in first.plan.measures if name in second.plan.measures and name not in own)
     plan = Plan(_both(first.plan, second.plan), first.plan.grid, first.plan.orientations, names, 0)
     create(folder, plan)
+    _warn_of_frames(first, second)
     store = Store(folder, writable=True)
     records = [m.store.records().tolist() for m in (first, second)]
     for task, block in enumerate(plan.blocks):
         for m, r in zip((first, second), records, strict=True):
             m.store.refuse_damaged(task, r[task])
         a, b = (m.store.read(block) for m in (first, second))
-        better = b["width"] > a["width"]
-        store.write(task, block, {name: np.where(better, b[name], a[name]) for name in names})
+        # A joint that is held leaves arm angles without width, so that width alone does not tell who reaches a cell.
+        better = (b["reached"] > 0) & ((a["reached"] == 0) | (b["width"] > a["width"]))
+        both = {name: np.where(better, b[name], a[name]) for name in names}
+        both |= {name: np.maximum(a[name], b[name]) for name in _LARGEST if name in names}
+        store.write(task, block, both)
     return Map(store)
+
+
+def _warn_of_frames(first: Map, second: Map) -> None:
+    a, b = (each.robot["base"] for each in (first.plan, second.plan))
+    if a != b:
+        said = f"poses of {first.path} are given in {a!r}, those of {second.path} in {b!r}, and are taken as in one frame"
+        warnings.warn(f"{said}: base=, --base or with_base(name=) gives both arms one", UserWarning, stacklevel=3)
 
 
 def _both(first: Plan, second: Plan) -> dict[str, object]:
     a, b = first.robot, second.robot
     return {
         "name": f"{a['name']} and {b['name']}",
-        "base": a["base"],
+        "base": a["base"] if a["base"] == b["base"] else f"{a['base']}, {b['base']}",
         "tip": f"{a['tip']}, {b['tip']}",
         "arms": [a, b],
         "fingerprint": f"{a['fingerprint']} {b['fingerprint']}",

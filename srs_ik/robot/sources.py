@@ -100,7 +100,7 @@ def describe(
     """
     check_xacro_args(xacro_args)
     may_run = as_flag(allow_xacro, "allow_xacro", InvalidRobot)
-    card = _card(source)
+    card = card_of(source)
     if card is not None:
         return _of_card(card, urdf, xacro_args, may_run or _is_known(source))
     if urdf is not None:
@@ -123,7 +123,7 @@ def places_of(source: str | os.PathLike[str]) -> tuple[str, ...]:
         InvalidRobot: a text is no name, path or address, or the source is of another kind.
     """
     check_path("source", source)
-    card = _card(source)
+    card = card_of(source)
     if card is not None:
         return card.places
     if isinstance(source, str) and not _is_path(source):
@@ -138,7 +138,7 @@ def _is_known(source: Any) -> bool:
     return isinstance(source, str) and not is_xml(source) and source in (*zoo.robots(), *zoo.adapters())
 
 
-def _card(source: Any) -> RobotCard | None:
+def card_of(source: Any) -> RobotCard | None:
     """The card that a source is or has, or None."""
     if _is_known(source):
         return zoo.card(source)
