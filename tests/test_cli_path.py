@@ -91,6 +91,9 @@ def test_a_path_starts_where_the_robot_stands(tmp_path):
     np.testing.assert_allclose(got["q"], arm.solve_path(poses, known={0: stands}).q, rtol=0.0, atol=1e-6)
     missed = run("path", "iiwa14", file, "--start", *map(str, stands + 0.1))
     assert (missed.exit_code, missed.stderr.count("\n")) == (2, 1)
+    off = arm.verify(poses[0], stands + 0.1)
+    by = f"it misses it by {1e3 * off.position:.3g} mm and {off.orientation:.3g} rad; --seed begins near it"
+    assert missed.stderr == f"srs-ik: --start is not at the first pose, {file}, line 2: {by}\n"
 
 
 @pytest.mark.parametrize(
@@ -356,6 +359,17 @@ def test_times_by_accelerations_are_told_where_dt_is_given_too(tmp_path):
     assert told.stderr.count("\n") == 1
     assert "--acceleration, not --dt" in told.stderr
     assert run("path", "iiwa14", file, *words).stderr == ""
+
+
+def test_times_of_a_file_that_are_not_the_period_are_told(tmp_path):
+    file = tmp_path / "poses.csv"
+    rows = (f"{0.1 * k:.1f},{0.5 + 0.01 * k},0.1,0.5,0,1.57,0" for k in range(5))
+    file.write_text("\n".join(["t,x,y,z,roll,pitch,yaw", *rows]) + "\n")
+    told = run("path", "iiwa14", str(file), "--dt", "0.2")
+    assert told.exit_code == 0
+    assert told.stderr == f"srs-ik: {file} has times 0.1 s apart, and --dt says 0.2 s, which counts\n"
+    assert run("path", "iiwa14", str(file), "--dt", "0.1").stderr == ""
+    assert run("path", "iiwa14", str(file)).stderr == ""
 
 
 def test_a_first_line_that_names_no_columns_is_told(tmp_path):

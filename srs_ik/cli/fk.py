@@ -10,7 +10,7 @@ import typer
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.joint_file import GivenJoints, JointsFile, read_joints, refuse_both_or_none
 from srs_ik.cli.options import AsJson, Source
-from srs_ik.cli.pose_file import POSITION, QUATERNION, refuse_onto, write_table
+from srs_ik.cli.pose_file import POSITION, QUATERNION, check_out, is_output, write_table
 from srs_ik.cli.poses import angles, unit_of
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def fk(
     """
     refuse_both_or_none(q, file)
     unit = unit_of(degrees)
-    refuse_onto(out, file)
+    check_out(out, as_json, file)
     given = None if q is None else angles("--q", q, unit)
 
     import numpy as np
@@ -52,7 +52,7 @@ def fk(
         write_table(out, (*POSITION, *QUATERNION), ([*xyz, *quaternion] for xyz, quaternion in map(_parts, poses)))
     if as_json:
         _print_json(arm, configurations, poses, many=file is not None)
-    else:
+    elif not is_output(out):
         _print_table(arm, poses)
 
 

@@ -12,7 +12,7 @@ import typer
 from srs_ik.cli import freedom
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, is_number, numbers
-from srs_ik.cli.pose_file import read_targets, refuse_onto, write_table
+from srs_ik.cli.pose_file import check_out, is_output, read_targets, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.scenes import Margin, Meshes, SceneFile, read, with_meshes
 from srs_ik.cli.waiting import counted
@@ -93,7 +93,7 @@ def follow(
             math.inf if acceleration.lower() in ("inf", "+inf") else unit * numbers("--acceleration", [acceleration])[0]
         )
     q0 = None if start is None else angles("--q", start, unit)
-    refuse_onto(out, poses)
+    check_out(out, as_json, poses)
     targets = read_targets(poses, unit, period)
     around = read(scene, margin)
 
@@ -107,7 +107,7 @@ def follow(
         _write(out, arm, steps, period)
     if as_json:
         _print_json(arm, tracker, steps)
-    else:
+    elif not is_output(out):
         _print_table(arm, tracker, steps)
     if not steps[-1]:
         fail(f"{poses}, last line: {steps[-1].message}")

@@ -12,7 +12,7 @@ import typer
 from srs_ik.cli.chosen import Chosen, reading
 from srs_ik.cli.map import map_app as map_app
 from srs_ik.cli.options import AsJson, ExampleCommand, Source, WrongInput, fail, numbers, warn
-from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
+from srs_ik.cli.pose_file import check_out, is_output, read_poses, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.scenes import Meshes, SceneFile, read, with_meshes
 from srs_ik.cli.solve_file import MOST_LINES
@@ -76,7 +76,7 @@ def query(
     """Say which poses of a file a map calls reached, and how well. Exit status 1 where one is not."""
     from srs_ik.cli.render import console, print_json, table
 
-    refuse_onto(out, poses)
+    check_out(out, as_json, poses)
     if exact is None and (scene is not None or meshes or any(chosen.values())):
         raise WrongInput("--scene, --meshes, --lock and xacro options are for the arm of --exact, which is not given")
     T, lines = read_poses(poses, unit_of(degrees))
@@ -93,7 +93,7 @@ def query(
         print_json(
             [{"line": line, **dict(zip(names, row, strict=True))} for line, row in zip(lines, rows, strict=True)]
         )
-    else:
+    elif not is_output(out):
         shown = [[str(line), *map(_figure, row)] for line, row in zip(lines[:MOST_LINES], rows, strict=False)]
         console().print(table(("line", *names), shown, left=0))
         if len(lines) > MOST_LINES:

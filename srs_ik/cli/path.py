@@ -13,12 +13,14 @@ from srs_ik.cli import freedom
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, numbers, warn
 from srs_ik.cli.picture import check
-from srs_ik.cli.pose_file import read_poses, refuse_onto, write_motion, write_path
+from srs_ik.cli.pose_file import check_out, is_output, read_poses, write_motion, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.scenes import Exact, Margin, Meshes, SceneFile, read, with_meshes
 from srs_ik.cli.waiting import at_work
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from srs_ik.arm import Arm
     from srs_ik.solve.path.solution import PathSolution
 
@@ -139,8 +141,8 @@ def path(
     if period is not None and (out is None or not timed):
         raise WrongInput("--period is of the motion in --out, and goes with --dt or --acceleration")
     every = None if period is None else _positive("--period", period)
-    refuse_onto(out, poses)
-    T_base_tip, lines = read_poses(poses, unit)
+    check_out(out, as_json, poses)
+    T_base_tip, lines = read_poses(poses, unit, options.get("dt"))  # type: ignore[arg-type]
     options.update(read(scene, margin, exact))
 
     from srs_ik.loading import load
@@ -150,6 +152,8 @@ def path(
         arm = arm.with_limits(velocity=limits)
     if period is not None and dt is None and acceleration is None and min(arm.acceleration_limit) == math.inf:
         raise WrongInput("--period goes with --dt or --acceleration, or with limits of acceleration of the robot")
+    if start is not None:
+        _check_start(arm, T_base_tip[0], options["known"][0], f"{poses}, line {lines[0]}")  # type: ignore[index]
     with at_work(f"a path through {len(T_base_tip)} poses"):
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found and every is None:
@@ -165,7 +169,7 @@ def path(
         plot_path(arm, T_base_tip, found).savefig(plot)
     if as_json:
         _print_json(arm, found, lines)
-    else:
+    elif not is_output(out):
         _print_table(arm, found)
     if not found:
         first, others = found.breaks[0], len(found.breaks) - 1
@@ -217,6 +221,15 @@ def _times(found: PathSolution, dt: object) -> list[float] | None:
     if found.times is not None:
         return [float(t) for t in found.times]
     return [i * dt for i in range(len(found))] if isinstance(dt, float) else None
+
+
+def _check_start(arm: Arm, pose: np.ndarray, q: list[float], where: str) -> None:
+    from srs_ik.solve.path.ask import ON_POSE
+
+    off = arm.verify(pose, q)
+    if max(off) > ON_POSE:
+        by = f"{1e3 * off.position:.3g} mm and {off.orientation:.3g} rad"
+        raise WrongInput(f"--start is not at the first pose, {where}: it misses it by {by}; --seed begins near it")
 
 
 def _print_json(arm: Arm, found: PathSolution, lines: list[int]) -> None:

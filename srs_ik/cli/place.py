@@ -12,7 +12,7 @@ import typer
 
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Six, Source, WrongInput, fail, numbers
-from srs_ik.cli.pose_file import POSITION, QUATERNION, read_poses, refuse_onto, write_table
+from srs_ik.cli.pose_file import POSITION, QUATERNION, check_out, is_output, read_poses, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.waiting import at_work
 
@@ -69,7 +69,7 @@ def place(
     Exit status 1 where no candidate reaches any pose.
     """
     unit = unit_of(degrees)
-    refuse_onto(out, poses, candidates)
+    check_out(out, as_json, poses, candidates)
     T_room_tip, _ = read_poses(poses, unit)
     if (candidates is None) == (grid is None):
         raise WrongInput("give the places for the base: either --candidates FILE.csv or --grid X0 X1 NX Y0 Y1 NY")
@@ -91,7 +91,7 @@ def place(
         write_table(out, tuple(rows[0]), (list(row.values()) for row in rows))
     if as_json:
         _print_json(arm, found, top)
-    else:
+    elif not is_output(out):
         _print_table(arm, found, top)
     if not found.reached.any():
         fail("no candidate reaches any of the poses")

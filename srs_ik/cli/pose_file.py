@@ -6,6 +6,7 @@ import csv
 import io
 import itertools
 import math
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,18 +29,36 @@ QUATERNION = ("qx", "qy", "qz", "qw")
 TIMES = ("t", "time", "timestamp")
 """How a column of times may be called."""
 
+_INPUT = Path("-")
+_OUTPUT = ("-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
+"""Names of standard output. Opened anew, a file behind it would lose what else is printed there, or be overwritten."""
+
 DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 """What else tables are separated by, and its name."""
 
 
-def refuse_onto(out: Path | None, *read: Path | None) -> None:
-    """Raise WrongInput where answers would be written onto a file that is read, under whatever name."""
+def is_output(path: Path | None) -> bool:
+    """Whether a file that is written is standard output, which then has nothing else."""
+    return path is not None and str(path) in _OUTPUT
+
+
+def check_out(out: Path | None, as_json: bool, *read: Path | None) -> None:
+    """Raise WrongInput where answers would be written onto a file that is read, under whatever name, or beside JSON."""
+    if is_output(out) and as_json:
+        raise WrongInput(f"--json and --out {out} both write on standard output: give one of them")
     for path in read:
-        if out is not None and path is not None and out.is_file() and path.is_file() and out.samefile(path):
+        if (
+            out is not None
+            and not is_output(out)
+            and path is not None
+            and out.is_file()
+            and path.is_file()
+            and out.samefile(path)
+        ):
             raise WrongInput(f"{out} is read: give the answers a file of their own")
 
 
-def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
+def read_poses(path: Path, unit: float, period: float | None = None) -> tuple[np.ndarray, list[int]]:
     """The poses of a CSV file whose header names the columns.
 
     The columns are x, y, z in metres and either roll, pitch, yaw or qx, qy, qz, qw, in any order. Other columns and
@@ -48,6 +67,8 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
     Args:
         path: the file.
         unit: radians in the unit of roll, pitch and yaw.
+        period: seconds from pose to pose, where somebody says so; a line on standard error tells other times in the
+            file.
 
     Returns:
         (N, 4, 4) poses, and the line of the file on which each stands.
@@ -59,6 +80,8 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
     import numpy as np
 
     table = read_table(path, (*POSITION, *RPY))
+    if period is not None:
+        _warn_of_times(path, table, period)
     poses, lines = _poses(path, table, unit, lost=False)
     return np.array(poses), lines
 
@@ -134,14 +157,15 @@ def read_table(path: Path, columns: Sequence[str], empty_cells: bool = False) ->
     """The lines of a CSV file that are not empty, each with its number; the first names its columns, such as these.
 
     Lines that begin with # are comments; the last one above figures names their columns, as `numpy.savetxt` writes it.
-    Lines of empty cells below the header count only where that is said.
+    Lines of empty cells count only where that is said. Else those at the end are left out, as spreadsheets write them;
+    in between they are refused, since answers would no longer stand beside their questions.
 
     Raises:
-        WrongInput: no text, no CSV, or nothing in it.
+        WrongInput: no text, no CSV, nothing in it, or a line of empty cells that does not count.
         OSError: the file cannot be read.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = (sys.stdin.buffer.read() if path == _INPUT else path.read_bytes()).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise WrongInput(f"{path} is no text file") from None
     reader = csv.reader(text.splitlines(), skipinitialspace=True)
@@ -150,7 +174,10 @@ def read_table(path: Path, columns: Sequence[str], empty_cells: bool = False) ->
     except csv.Error as error:
         raise WrongInput(f"{path}, line {reader.line_num}: {error}") from None
     table = _without_comments(table)
-    table = [each for k, each in enumerate(table) if (k and empty_cells) or any(cell.strip() for cell in each[1])]
+    if not empty_cells:
+        while table and not _has_text(table[-1]):
+            table.pop()
+    table = list(itertools.dropwhile(lambda each: not _has_text(each), table))
     if not table:
         raise WrongInput(f"{path} is empty: its first line names the columns {', '.join(columns)}")
     first, header = table[0]
@@ -158,6 +185,8 @@ def read_table(path: Path, columns: Sequence[str], empty_cells: bool = False) ->
         if len(header) == 1 and sign in header[0]:
             raise WrongInput(f"{path}, line {first}: columns are separated by commas, not by {name}")
     for line, row in table[1:]:
+        if not empty_cells and not _has_text((line, row)):
+            raise WrongInput(f"{path}, line {line}: all cells are empty; take the line out, or give its figures")
         if any(cell.strip() for cell in row[len(header) :]):
             if len(header) == 1:
                 said = f"{path}, line {first}: columns are to be named here, such as {', '.join(columns)}"
@@ -167,6 +196,10 @@ def read_table(path: Path, columns: Sequence[str], empty_cells: bool = False) ->
                 "decimals have points, not commas, and text with commas stands in quotes"
             )
     return table
+
+
+def _has_text(numbered: tuple[int, list[str]]) -> bool:
+    return any(cell.strip() for cell in numbered[1])
 
 
 def _without_comments(table: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
@@ -227,9 +260,13 @@ def write_motion(path: Path, arm: Arm, samples: Samples) -> None:
 
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write a CSV file, whole or not at all."""
+    """Write a CSV file, whole or not at all, or on standard output."""
     text = io.StringIO(newline="")
-    writer = csv.writer(text)
+    # As other tools of a shell end lines: cut and awk take a carriage return for a part of the last column.
+    writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
     writer.writerows(rows)
-    write_whole(path, text.getvalue())
+    if is_output(path):
+        print(text.getvalue(), end="", flush=True)
+    else:
+        write_whole(path, text.getvalue())

@@ -12,7 +12,7 @@ from srs_ik.cli import freedom
 from srs_ik.cli import objective as objectives
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Seven, Source, Three, WrongInput, fail, numbers
-from srs_ik.cli.pose_file import read_poses, refuse_onto
+from srs_ik.cli.pose_file import check_out, read_poses
 from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
 from srs_ik.cli.scenes import Exact, Margin, Meshes, SceneFile, read, with_meshes
 from srs_ik.cli.solve_file import report
@@ -104,7 +104,7 @@ def solve(
     if out is not None and file is None:
         raise WrongInput("--out writes what becomes of the poses of --file; for one pose there is --json")
     if file is not None:
-        refuse_onto(out, file)
+        check_out(out, as_json, file)
         poses, lines = read_poses(file, unit)
     else:
         pose, configuration = read_pose(xyz, rpy, quat, q, unit)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srs_ik.cli.options import fail
-from srs_ik.cli.pose_file import write_table
+from srs_ik.cli.pose_file import is_output, write_table
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -27,7 +27,7 @@ def report(arm: Arm, found: BatchSolution, poses: Path, lines: list[int], out: P
         write_table(out, tuple(columns), zip(*columns.values(), strict=True))
     if as_json:
         _print_json(arm, found, lines)
-    else:
+    elif not is_output(out):
         _print_table(arm, found, lines)
     failed = (~found.ok).nonzero()[0].tolist()
     if failed:

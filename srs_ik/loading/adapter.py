@@ -42,8 +42,8 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
         xacro_args: arguments with which a xacro file was read.
 
     Raises:
-        InvalidRobot: the file exists, its name does not end in ``.toml``, or it cannot be written; or the arm was loaded
-            from an adapter with a tool or a mount, whose frames no description has.
+        InvalidRobot: the file exists, its name does not end in ``.toml``, or it cannot be written; or the source is an
+            adapter with a tool or a mount, whose frames no description has.
     """
     check_path("path", path)
     check_xacro_args(xacro_args)
@@ -55,7 +55,7 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
     card = card_of(source)
     if card is not None and (card.tool or card.mount):
         lost = listed([f"[{name}]" for name in ("tool", "mount") if getattr(card, name)])
-        raise InvalidRobot(f"{label_of(source)} is an adapter with {lost}: copy it, and change the copy", path)
+        raise InvalidRobot(f"{label_of(Path(source))} is an adapter with {lost}: copy it, and change the copy", path)
     places = [_as_written(place, path.absolute().parent) for place in places_of(source)]
     text = _text(arm, places, {**(card.xacro if card else {}), **(xacro_args or {})}, card)
     try:

@@ -102,7 +102,9 @@ def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
 def _warn_of_frames(first: Map, second: Map) -> None:
     a, b = (each.robot["base"] for each in (first.plan, second.plan))
     if a != b:
-        said = f"poses of {first.path} are given in {a!r}, those of {second.path} in {b!r}, and are taken as in one frame"
+        said = (
+            f"poses of {first.path} are given in {a!r}, those of {second.path} in {b!r}, and are taken as in one frame"
+        )
         warnings.warn(f"{said}: base=, --base or with_base(name=) gives both arms one", UserWarning, stacklevel=3)
 
 

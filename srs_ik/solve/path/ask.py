@@ -273,8 +273,12 @@ def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Ar
         q = as_joint_vector(posture, f"the posture of pose {index}")
         if (q < arm.lower).any() or (q > arm.upper).any():
             raise InvalidConfiguration(f"known: the posture of pose {index} is outside the joint limits")
-        if off_poses(arm, T[index][None], q[None])[0] > ON_POSE:
-            raise InvalidConfiguration(f"known: the posture given for pose {index} does not meet it")
+        off = off_poses(arm, T[index][None], q[None])[0]
+        if off > ON_POSE:
+            raise InvalidConfiguration(
+                f"known: the posture given for pose {index} does not meet it: it is {off:.3g} (m or rad) away; seed= "
+                "takes one nearby"
+            )
         given[index], has_given[index] = q, True
     return given, has_given
 
