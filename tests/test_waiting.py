@@ -85,6 +85,33 @@ def test_an_interruption_within_the_compiler_is_not_lost():
         assert (result.stdout, result.stderr) == ("interrupted\n", "")
 
 
+SWALLOWED = """
+import signal, sys, time
+from srs_ik.cli.waiting import let_interrupt
+let_interrupt()
+
+class Interrupt:
+    def find_spec(self, name, path, target=None):
+        if name == "scipy.sparse.csgraph":  # which trimesh goes on without
+            sys.meta_path.remove(self)
+            signal.raise_signal(signal.SIGINT)
+
+assert "scipy.sparse.csgraph" not in sys.modules
+sys.meta_path.insert(0, Interrupt())
+try:
+    import trimesh
+    for _ in range(100):
+        time.sleep(0.1)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_an_interruption_while_trimesh_is_imported_is_not_lost():
+    result = subprocess.run([sys.executable, "-c", SWALLOWED], capture_output=True, text=True, timeout=300)
+    assert (result.stdout, result.stderr) == ("interrupted\n", "")
+
+
 BATCH = """
 import time
 from srs_ik.cli.waiting import at_work

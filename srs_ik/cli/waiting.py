@@ -18,16 +18,29 @@ T = TypeVar("T")
 _CALLBACKS = "_raw_object_cache"
 """How the functions begin that LLVM calls while it compiles: an exception in one is printed and lost."""
 
+_CATCHES_ALL = "trimesh"
+"""A package that takes any exception in what it imports and calls for one that it may go on without."""
+
 
 def let_interrupt() -> None:
-    """Make Ctrl+C end the program while it compiles, too."""
+    """Make Ctrl+C end the program while it compiles or reads meshes, too: as soon as the exception is not lost."""
     signal.signal(signal.SIGINT, _interrupt)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    if frame is None or not frame.f_code.co_name.startswith(_CALLBACKS):
+    if not _would_be_lost(frame):
         raise KeyboardInterrupt
     threading.Timer(0.01, signal.raise_signal, (number,)).start()
+
+
+def _would_be_lost(frame: FrameType | None) -> bool:
+    if frame is not None and frame.f_code.co_name.startswith(_CALLBACKS):
+        return True
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").partition(".")[0] == _CATCHES_ALL:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def announce_compilation() -> None:
