@@ -10,7 +10,7 @@ from numba import njit
 from scipy.optimize import minimize_scalar
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.linear import solve_definite, solve_linear
+from srs_ik.kernels.algebra.linear import solve_definite, solve_downhill, solve_linear
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import copy, row, scratch
 from srs_ik.kernels.layout.search import BEST, F_BEST, SHARP, SMOOTH, STATE
@@ -27,6 +27,11 @@ def solved(A, n):
 @njit
 def solve_as_definite(A, least):
     solve_definite(A, least)
+
+
+@njit
+def downhill(A):
+    return solve_downhill(A)
 
 
 @njit
@@ -92,6 +97,23 @@ def test_a_singular_system_is_told(n):
     A[:, : n - 1] = np.eye(n)[:, : n - 1]
     A[:, n] = 1.0
     assert solved(A, n) == 0.0
+
+
+@settings(deadline=None)  # the first example compiles
+@given(st.integers(0, 7), st.integers(0, 2**32 - 1))
+def test_steps_lead_downhill_be_the_function_curved_as_it_may(negative, seed):
+    rng = np.random.default_rng(seed)
+    turn, _ = np.linalg.qr(rng.normal(size=(7, 7)))
+    curves = rng.uniform(0.1, 10.0, 7) * np.where(np.arange(7) < negative, -1.0, 1.0)
+    H, slope = turn @ np.diag(curves) @ turn.T, rng.normal(size=7)
+    A = np.full((7, 9), np.nan)
+    A[np.triu_indices(7)], A[:, 7] = H[np.triu_indices(7)], -slope
+    assert downhill(A) == (negative == 0)
+    assert A[:, 7] @ slope < 0.0
+    if negative == 0:
+        np.testing.assert_allclose(A[:, 7], np.linalg.solve(H, -slope), rtol=1e-10, atol=1e-10)
+    if negative == 7:
+        np.testing.assert_allclose(A[:, 7], np.linalg.solve(H, slope), rtol=1e-10, atol=1e-10)
 
 
 @settings(deadline=None)  # the first example compiles

@@ -6,6 +6,9 @@ from srs_ik.kernels.algebra.lanes import gather, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 
+NO_CURVE = 1e-9
+"""Second derivatives below this count as this."""
+
 
 @kernel
 def solve_linear(A, n):
@@ -33,6 +36,32 @@ def solve_linear(A, n):
                 scatter(row(A, i), 0, 1, gather(row(A, i), 0, 1) - A[i, k] * chosen)
         scatter(row(A, k), 0, 1, chosen)
     return sign
+
+
+@kernel
+def solve_downhill(A):
+    """A step that leads down, from second derivatives in A (7, 9), its upper triangle, and minus slopes in column 7.
+
+    It is Newton's where the function curves upwards. Elsewhere Newton's would lead to a saddle or a top: what is
+    negative in D of the factors L D L' changes its sign. The step ends in column 7.
+
+    Returns: whether the function curves upwards.
+    """
+    upwards = True
+    for k in range(7):
+        if abs(A[k, k]) < NO_CURVE:
+            A[k, k] = NO_CURVE
+        upwards = upwards and A[k, k] > 0.0
+        for i in range(k + 1, 7):
+            part = A[k, i] / A[k, k]
+            scatter(row(A, i), 0, 1, gather(row(A, i), 0, 1) - part * gather(row(A, k), 0, 1))
+    for n in range(7):
+        k = 6 - n
+        behind = 0.0
+        for i in range(k + 1, 7):
+            behind += A[k, i] * A[i, 7]
+        A[k, 7] = A[k, 7] / abs(A[k, k]) - behind / A[k, k]
+    return upwards
 
 
 @kernel

@@ -10,17 +10,23 @@ Where limits leave room to stretch, lengths weigh so little that the rotation is
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import with_joint
-from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.linear import solve_downhill, solve_linear
 from srs_ik.kernels.algebra.vectors import apply, cross, dot, norm, scale, sub, times_transposed
 from srs_ik.kernels.chain.kinematics import joint_lines, point_velocity
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 
-STARTS = 160
+STARTS = 192
 STEPS = 150
 FLAT = 1e-11
 """Slope of the measure, per radian, at the bottom of a valley."""
+
+FULL = 1e-6
+"""Damping below which a step counts as a full one."""
+
+ROUNDING = 1e-15
+"""What the measure does not tell: a full step that promises less, and gains nothing, is the last."""
 
 LEANING, UPRIGHT, EXACT = 0.03, 1e-3, 1e-5
 """Weights of lengths where the tip's rotation is kept: it gives up their square of the distance, in reaches and rad.
@@ -32,7 +38,9 @@ ALIKE = 5e-5
 """A posture next to a seed is taken that comes as close as the closest but for this, in reaches and rad."""
 
 GENTLE = 1e-8
-"""Damping of the last steps, which only turn the tip: more than lengths of the last weight curve the measure."""
+UPRIGHT_STEPS = 4
+"""Damping of the last steps, which only turn the tip: more than lengths of the last weight curve the measure. Most
+postures need one of them, those in a curved valley or on a limit more."""
 
 TOO_FAR = 1e6
 """A pose this many times the reach away is as well answered by any stretched arm."""
@@ -102,10 +110,14 @@ def joint_by_joint(P, q, target, J):
 
 
 @kernel
-def newton_step(P, q, local, J, damping, A):
+def newton_step(P, q, local, J, damping, downhill, A):
     """A damped Newton step inside the limits, joints at a limit that they would pass held.
 
-    Returns: where it leads, the largest slope, and by how much the slopes alone lower the measure on the way.
+    Where the measure curves downwards, Newton's step leads to where its slope is nothing, be that a saddle or a top;
+    if it is to lead `downhill`, it turns around there.
+
+    Returns: where it leads, the largest slope, by how much the slopes alone lower the measure on the way, and whether
+    the measure curves upwards all around.
     """
     M, e = local
     held = 0
@@ -118,18 +130,18 @@ def newton_step(P, q, local, J, damping, A):
             slope = max(slope, abs(g))
     for i in range(7):
         still = (held >> i) & 1 == 1
-        for j in range(7):
+        for j in range(i, 7):
             apart = still or (held >> j) & 1 == 1
-            A[i, j] = 0.0 if apart else second(M, e, J, min(i, j), max(i, j))
+            A[i, j] = A[j, i] = 0.0 if apart else second(M, e, J, i, j)
         A[i, i] += 1.0 if still else damping
         A[i, 7] = 0.0 if still else -first(M, e, J, i)
-    solve_linear(A, 7)
+    upwards = solve_downhill(A) if downhill else solve_linear(A, 7) > 0.0
     for j in range(7):
         step = min(max(A[j, 7], -0.5), 0.5)
         there = min(max(q[j] + step, P[LOWER + j]), P[UPPER + j])
         gain -= first(M, e, J, j) * (there - q[j])
         q = with_joint(q, j, there)
-    return q, slope, gain
+    return q, slope, gain, upwards
 
 
 @kernel
@@ -137,22 +149,23 @@ def to_bottom(P, q, target, weight, lowest, J, A):
     """From a configuration to the bottom of its valley: the configuration and its measure.
 
     A valley whose bottom stays above a measure that is known is left on the way: at full steps, of which a parabola
-    gains half of what its slope says, twice the slope's gain is not enough.
+    gains half of what its slope says, twice the slope's gain is not enough. Where the measure curves downwards, or
+    limits turn the step away from its slope, that tells nothing.
     """
-    damping = 1e-6
+    damping = FULL
     M, e, value = surroundings(P, q, target, weight, J)
     for _ in range(STEPS):
-        there, slope, gain = newton_step(P, q, (M, e), J, damping, A)
-        if slope < FLAT * weight or (damping < 1e-6 and value - 2.0 * gain > lowest):
+        there, slope, gain, upwards = newton_step(P, q, (M, e), J, damping, True, A)
+        if slope < FLAT * weight or (upwards and damping < FULL and 0.0 < 2.0 * gain < value - lowest):
             break
         M_there, e_there, lower = surroundings(P, there, target, weight, J)
         if lower < value:
             q, M, e, value = there, M_there, e_there, lower
             damping = max(0.1 * damping, 1e-12)
-        elif damping > 1e3:
+        elif damping > 1e3 or (upwards and damping < FULL and abs(gain) < ROUNDING):
             break
         else:
-            damping = max(8.0 * damping, 1e-4)
+            damping = max(8.0 * damping, 0.1 * weight)
             surroundings(P, q, target, weight, J)
     return q, value
 
@@ -233,8 +246,11 @@ def put_upright(P, q, target, J, A):
     """The closest configuration next to one with the rotation of a pose, but for 1e-10 rad however far it is."""
     _, e, _ = surroundings(P, q, target, 1.0, J)
     weight = EXACT / math.sqrt(max(1.0, norm(e)))
-    # The measure does not tell turns below 1e-8 rad, its slopes do.
-    for _ in range(2):
+    # The measure does not tell turns below 1e-8 rad, nor whether it curves; its slopes tell them.
+    for _ in range(UPRIGHT_STEPS):
         M, e, _ = surroundings(P, q, target, weight, J)
-        q, _, _ = newton_step(P, q, (M, e), J, GENTLE, A)
+        there, slope, _, _ = newton_step(P, q, (M, e), J, GENTLE, False, A)
+        if slope < 10.0 * FLAT:
+            break
+        q = there
     return q
