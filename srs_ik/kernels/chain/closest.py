@@ -17,7 +17,7 @@ from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 
-STARTS = 192
+STARTS = 160
 STEPS = 150
 FLAT = 1e-11
 """Slope of the measure, per radian, at the bottom of a valley."""
@@ -122,8 +122,10 @@ def newton_step(P, q, local, J, damping, downhill, A):
     M, e = local
     held = 0
     slope = gain = 0.0
+    slopes = q
     for j in range(7):
         g = first(M, e, J, j)
+        slopes = with_joint(slopes, j, g)
         if (g > 0.0 and q[j] <= P[LOWER + j]) or (g < 0.0 and q[j] >= P[UPPER + j]):
             held |= 1 << j
         else:
@@ -134,12 +136,12 @@ def newton_step(P, q, local, J, damping, downhill, A):
             apart = still or (held >> j) & 1 == 1
             A[i, j] = A[j, i] = 0.0 if apart else second(M, e, J, i, j)
         A[i, i] += 1.0 if still else damping
-        A[i, 7] = 0.0 if still else -first(M, e, J, i)
+        A[i, 7] = 0.0 if still else -slopes[i]
     upwards = solve_downhill(A) if downhill else solve_linear(A, 7) > 0.0
     for j in range(7):
         step = min(max(A[j, 7], -0.5), 0.5)
         there = min(max(q[j] + step, P[LOWER + j]), P[UPPER + j])
-        gain -= first(M, e, J, j) * (there - q[j])
+        gain -= slopes[j] * (there - q[j])
         q = with_joint(q, j, there)
     return q, slope, gain, upwards
 
