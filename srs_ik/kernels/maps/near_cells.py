@@ -24,8 +24,8 @@ from srs_ik.kernels.maps.cells import clear, write_measures
 from srs_ik.kernels.maps.reach import is_bent_right, is_met_at
 from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.band import band_of, is_near_singularity, may_predict, widen
-from srs_ik.kernels.near.intervals import has_none, intervals_through
-from srs_ik.kernels.near.predicted import is_surely_out
+from srs_ik.kernels.near.intervals import has_none, intervals_through, true_intervals
+from srs_ik.kernels.near.predicted import is_surely_out, predicted_intervals
 from srs_ik.kernels.near.second_attempts import found_again
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import solve_row_at
@@ -135,8 +135,17 @@ def reach_near(family, pose, space):
         return REACHED
     if is_surely_out(P, pose.target):
         return NOT_REACHED
-    n = all_intervals(family, pose.target, True, space.J, space.A, space.found)
-    return REACHED if n > 0 or was_missed(P, pose.target, space)[1] else NOT_REACHED
+    n = predicted_intervals(P, pose.target, space.found, space.J, space.A)
+    if n < 0:
+        n = true_intervals(P, pose.target, True, space.found, space.J, space.A)
+    if n > 0:
+        return REACHED
+    if has_none(P, pose.target, space.J, space.A):
+        return NOT_REACHED
+    if all_intervals(family, pose.target, True, space.J, space.A, space.found) > 0:
+        return REACHED
+    _, _, lowest = found_again(P, pose.target, -1, Goal(False, NO_SEED, True), space.J, space.A)
+    return REACHED if lowest < OUTSIDE else NOT_REACHED
 
 
 @kernel
