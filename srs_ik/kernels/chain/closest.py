@@ -249,10 +249,14 @@ def put_upright(P, q, target, J, A):
     _, e, _ = surroundings(P, q, target, 1.0, J)
     weight = EXACT / math.sqrt(max(1.0, norm(e)))
     # The measure does not tell turns below 1e-8 rad, nor whether it curves; its slopes tell them.
-    for _ in range(UPRIGHT_STEPS):
+    best, least = q, math.inf
+    for _ in range(UPRIGHT_STEPS + 1):
         M, e, _ = surroundings(P, q, target, weight, J)
         there, slope, _, _ = newton_step(P, q, (M, e), J, GENTLE, False, A)
+        if slope > least:
+            break
+        best, least = q, slope
         if slope < 10.0 * FLAT:
             break
         q = there
-    return q
+    return best
