@@ -11,6 +11,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.numbers import as_positive
+from srs_ik.solve.path.timing import passing_times
 from srs_ik.system.arrays import Array, equal_to_itself
 
 ROUNDING = 1e-9
@@ -21,6 +22,12 @@ MOST_SAMPLES = 10**7
 
 APART = 1e-9
 """Passing times that are closer than this part of the whole are one: the path stands still there."""
+
+ROUNDS = 100
+LONGER = 1.05
+CLOSE = 1e-3
+"""Where limits do not hold, a motion is slowed down in so many rounds, each piece by no more than this in one, until
+they hold but for this part."""
 
 
 @equal_to_itself
@@ -42,9 +49,8 @@ class Trajectory:
     and where the path has the same pose twice in a row, such as at a grip, all joints are at rest.
 
     Attributes:
-        passes: (N,) when it passes the postures of the path, s. From rest to rest these are the times that the path
-            had, multiplied by one factor, so that limits of velocity, and of acceleration where there are any, hold at
-            all times and not only from posture to posture.
+        passes: (N,) when it passes the postures of the path, s: as far apart as the path's own times are, and farther
+            about where limits of velocity, or of acceleration where there are any, would not hold between them.
         stretch: by what factor it is slower than the path's own times, from beginning to end.
         duration: when it comes to rest, s.
     """
@@ -67,10 +73,10 @@ class Trajectory:
         rests = np.unique(place[np.append(stands, True) | np.append(True, stands)])
         pieces = [slice(first, last + 1) for first, last in pairwise(rests)]
         parts = [_from_rest_to_rest(own[piece], angles[piece], limits, most) for piece in pieces]
-        # What is added to times, so that those of parts that are not stretched stay as they are to the last bit.
-        late = np.concatenate([(factor - 1.0) * np.diff(curve.x) for curve, factor in parts])
+        # What is added to times, so that those of parts that are not slowed down stay as they are to the last bit.
+        late = np.concatenate([np.diff(part.x) for part in parts]) - np.diff(own)
         x = own + np.append(0.0, np.cumsum(late))
-        curve = PPoly(np.concatenate([_slowed(*part) for part in parts], axis=1), x)
+        curve = PPoly(np.concatenate([part.c for part in parts], axis=1), x)
         self.passes = x[place]
         self.duration = float(x[-1])
         self.stretch = self.duration / float(own[-1])
@@ -103,24 +109,69 @@ class Trajectory:
         return f"Trajectory({len(self.passes)} postures in {self.duration:.4g} s)"
 
 
-def _from_rest_to_rest(
-    times: Array, q: Array, limits: tuple[Array, Array], most: tuple[Array, Array]
-) -> tuple[PPoly, float]:
-    """A curve through postures at their times, at rest at both ends, and how many times slower it keeps the limits."""
+def _from_rest_to_rest(times: Array, q: Array, limits: tuple[Array, Array], most: tuple[Array, Array]) -> PPoly:
+    """A curve through postures, at rest at both ends, that keeps the limits: at their times, or slowed down.
+
+    The quickest of all of it slowed down by one factor, and of what is slowed down where that is needed, from its own
+    times and from the least ones between which limits hold from posture to posture.
+    """
+    curve = _through(times, q, limits)
+    found = _slowed(curve, _use(curve, most))
+    if found is curve:
+        return curve
+    own, least = np.diff(times), np.diff(passing_times(np.diff(q, axis=0), *most))
+    for gaps in (own, np.maximum(own, least)):
+        found = _slowed_in_part(gaps, q, limits, most, found)
+    return found
+
+
+def _slowed_in_part(
+    gaps: Array, q: Array, limits: tuple[Array, Array], most: tuple[Array, Array], best: PPoly
+) -> PPoly:
+    """A curve through postures that are some times apart, or more where limits would not hold; `best`, if no quicker.
+
+    Pieces that are too fast are made longer, and those beside them as far as that lets them be too fast in turn. What
+    is missing then slows down the whole.
+    """
+    for _ in range(ROUNDS):
+        curve = _through(best.x[0] + np.append(0.0, np.cumsum(gaps)), q, limits)
+        use = _use(curve, most)
+        slowed = _slowed(curve, use)
+        best = slowed if slowed.x[-1] < best.x[-1] else best
+        if use.max() <= 1.0 + CLOSE or curve.x[-1] >= best.x[-1]:
+            break
+        gaps = gaps * np.clip(use, 1.0, LONGER)
+    return best
+
+
+def _through(times: Array, q: Array, limits: tuple[Array, Array]) -> PPoly:
+    """A curve through postures at their times, at rest at both ends, inside the limits of joint angles."""
     curve: PPoly = CubicSpline(times, q, bc_type="clamped")
     if _leaves(curve, *limits):
         slopes = PchipInterpolator(times, q).derivative()(times)
         slopes[[0, -1]] = 0.0
         curve = CubicHermiteSpline(times, q, slopes)
+    return curve
+
+
+def _use(curve: PPoly, most: tuple[Array, Array]) -> Array:
+    """(pieces,) how many times slower each piece of a curve would keep limits of velocity and acceleration."""
     velocity, acceleration = most
-    fast = (_largest_speed(curve) / velocity).max()
-    hard = (np.abs(_ends(curve, 2)).max(axis=(0, 1)) / acceleration).max()
-    return curve, max(1.0, float(fast), float(np.sqrt(hard)))
+    turns = _at(curve.derivative(), *_turning_points(curve.derivative()))
+    speed = np.maximum(np.abs(_ends(curve, 1)).max(axis=0), np.abs(turns).max(axis=0))
+    hard = np.abs(_ends(curve, 2)).max(axis=0)
+    found: Array = np.maximum((speed / velocity).max(axis=1), np.sqrt((hard / acceleration).max(axis=1)))
+    return found
 
 
-def _slowed(curve: PPoly, factor: float) -> Array:
-    """Coefficients (4, pieces, 7) of a cubic curve that takes so many times as long."""
-    return np.asarray(curve.c / factor ** np.arange(3.0, -1.0, -1.0)[:, None, None])
+def _slowed(curve: PPoly, use: Array) -> PPoly:
+    """A cubic curve as many times slower as its most used piece asks for; itself where none does."""
+    factor = max(1.0, float(use.max()))
+    if factor == 1.0:
+        return curve
+    return PPoly(
+        curve.c / factor ** np.arange(3.0, -1.0, -1.0)[:, None, None], curve.x[0] + factor * (curve.x - curve.x[0])
+    )
 
 
 def _ends(curve: PPoly, order: int) -> Array:
@@ -128,13 +179,6 @@ def _ends(curve: PPoly, order: int) -> Array:
     h = np.diff(curve.x)[:, None]
     c = curve.derivative(order).c
     return np.array([c[-1], sum(part * h ** (len(c) - 1 - k) for k, part in enumerate(c))])
-
-
-def _largest_speed(curve: PPoly) -> Array:
-    """(7,) the largest speed of each joint."""
-    speed = np.abs(_ends(curve, 1)).max(axis=(0, 1))
-    inside = _at(curve.derivative(), *_turning_points(curve.derivative()))
-    return np.maximum(speed, np.abs(inside).max(axis=(0, 1)))
 
 
 def _leaves(curve: PPoly, lower: Array, upper: Array) -> bool:
