@@ -316,7 +316,7 @@ def test_an_objective_out_of_reach_is_exit_status_1():
     ("words", "named"),
     [
         (["--objective", "manipulation"], "did you mean 'manipulability'"),
-        (["--objective", "twist"], "needs twist="),
+        (["--objective", "twist"], "needs --twist, 6"),
         (["--objective", "twist", "--force", "0", "0", "1"], "takes no parameter 'force'"),
         (["--objective", "twist", "--twist", "0", "0", "1"], "--twist takes 6 numbers, not 3"),
         (["--objective", "manipulability", "--seed", *"1234567"], "--objective goes with none"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -45,8 +46,8 @@ def read_objective(
     """The objective that the options give, the name of one that a scene has to tell, or None.
 
     Raises:
-        WrongInput: a parameter without an objective, or words that are no finite numbers.
-        InvalidTask: an unknown objective, or not the parameters that it takes.
+        WrongInput: a parameter without an objective, words that are no finite numbers, an unknown objective, or not the
+            parameters that it takes.
     """
     words = {"force": force, "velocity": velocity, "twist": twist, "wrench": wrench, "reference": reference}
     given: dict[str, Any] = {key: numbers(f"--{key}", value) for key, value in words.items() if value is not None}
@@ -57,10 +58,15 @@ def read_objective(
             raise WrongInput(f"--{next(iter(given))} is a parameter of an objective: give --objective NAME")
         return None
 
+    from srs_ik.errors import InvalidTask
     from srs_ik.solve.objectives import CLEARANCE, Objective
 
     if name == CLEARANCE and not given:
         return name
     if reference is not None:
         given["reference"] = angles("--reference", reference, unit)
-    return Objective(name, **given)
+    try:
+        return Objective(name, **given)
+    except InvalidTask as error:
+        # Parameters are options here.
+        raise WrongInput(re.sub(r"\b(\w+)=", r"--\1", str(error))) from None
