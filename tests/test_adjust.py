@@ -149,6 +149,7 @@ def test_continuous_joints_can_be_given_limits_and_others_none():
         ({"iiwa_joint_1": {"lower": "a"}}, "lower of joint 'iiwa_joint_1' must be a number, not 'a'"),
         ({"iiwa_joint_1": {"upper": np.nan}}, "must be a number, not nan"),
         ({"iiwa_joint_1": {"velocity": 0}}, "must be positive"),
+        ({"iiwa_joint_1": {"has_velocity_limits": "false", "max_velocity": 1.0}}, "must be true or false, not 'false'"),
         ({"iiwa_joint_1": 2.0}, r"given as \{joint: \{limit: figure\}\}, not as \{'iiwa_joint_1': 2.0\}"),
         ([2.0] * 7, r"given as \{joint: "),
     ],

@@ -113,7 +113,8 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]], other
 
     Raises:
         InvalidRobot: limits are no mapping of mappings, a joint or limit of that name does not exist, a limit is no
-            number, lower is above upper, or a velocity, effort or acceleration is not positive.
+            number, lower is above upper, a velocity, effort or acceleration is not positive, or what MoveIt switches
+            limits with is not true or false.
     """
     arrays: dict[str, Any] = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
     if not isinstance(limits, Mapping) or not all(isinstance(changes, Mapping) for changes in limits.values()):
@@ -128,7 +129,7 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]], other
                 f"limits are given for {quoted(joint)}{hint}; the joints are {listed(chain.joint_names)}"
             )
         k = chain.joint_names.index(joint)
-        changes = _named_as_here(changes)
+        changes = _named_as_here(joint, changes)
         for key, value in changes.items():
             if key not in _LIMITS:
                 hint = did_you_mean(key, (*_LIMITS, *_OF_MOVEIT)) if isinstance(key, str) else ""
@@ -157,9 +158,16 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]], other
     return replace(chain, model=model, **arrays)
 
 
-def _named_as_here(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Changes of one joint by the names of `_LIMITS`; limits that a file of MoveIt switches off are left out."""
+def _named_as_here(joint: str, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Changes of one joint by the names of `_LIMITS`; limits that a file of MoveIt switches off are left out.
+
+    Raises:
+        InvalidRobot: what is to switch limits on or off is neither.
+    """
     switches = {switch for _, switch in _OF_MOVEIT.values()}
+    for switch in sorted(switches & set(changes)):
+        if not isinstance(changes[switch], bool | np.bool_):
+            raise InvalidRobot(f"{switch} of joint {joint!r} must be true or false, not {quoted(changes[switch])}")
     found = {}
     for key, value in changes.items():
         if key in _OF_MOVEIT:
