@@ -45,6 +45,34 @@ def watch_those_that_never_meet(truth, arm):
 
 
 @pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm"])
+def test_a_cloud_is_hit_where_spheres_are_at_its_points(name):
+    """By the real shapes, too: links that spin about their own axis are no solids of revolution at a posture."""
+    arm = srs_ik.load(name)
+    rng = generator(name, 9150)
+    margins, hits, lines = [0.0, 0.03], 0, 0
+    for k, q in enumerate(random_postures(arm, 60, 9151)):
+        points = rng.uniform(-0.05, 0.05, (50, 3)) + arm.forward_kinematics(q).translation + rng.normal(0.0, 0.12, 3)
+        cloud, spheres = srs_ik.Scene(), srs_ik.Scene()
+        cloud.add_points("points", points, 0.01)
+        for i, point in enumerate(points):
+            spheres.add_sphere(f"point {i}", point, 0.01)
+        found, expected = (arm.collision(q, scene, margins[k % 2]) for scene in (cloud, spheres))
+        assert (found is None) == (expected is None)
+        # How deep bodies are in each other is coal's to say, which may take another way out than the shortest.
+        if found is not None and expected.depth < margins[k % 2]:
+            named = {expected.first, "points" if expected.second.startswith("point ") else expected.second}
+            assert {found.first, found.second} == named
+            assert found.depth == pytest.approx(expected.depth, abs=1e-6)
+        hits += found is not None
+        line = [q, np.clip(q + rng.normal(0.0, 0.05, 7), arm.lower, arm.upper)]
+        on_line, on_line_expected = (arm.path_collisions(line, scene) for scene in (cloud, spheres))
+        assert len(on_line) == len(on_line_expected)
+        lines += len(on_line)
+    assert 10 < hits < 50
+    assert 10 < lines < 50
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm"])
 @pytest.mark.parametrize(("margin", "beyond"), [(0.0, 0.0), (0.03, 0.0), (0.0, 0.25)])
 def test_collisions_of_postures_are_those_that_pinocchio_tells(name, margin, beyond):
     arm, scene, truth = among_objects(name)

@@ -63,6 +63,7 @@ class RealWorld:
         self.joints = [body.joint for body in bodies]
         self.parts = [_own_parts(arm, body) for body in bodies]
         self.names = [body.name for body in bodies]
+        self._covers = [body.spheres for body in bodies]
         self._points = [np.concatenate([part.points for part in parts]) for parts in self.parts]
         placed = [
             points @ zero[j, :3, :3].T + zero[j, :3, 3] for points, j in zip(self._points, self.joints, strict=True)
@@ -167,6 +168,10 @@ class RealWorld:
         stacked = np.array(places)
         return places, np.einsum("nij,nj->ni", stacked[:, :3, :3], self._balls[:, :3]) + stacked[:, :3, 3]
 
+    def cover(self, k: int) -> Array:
+        """(n, 4) spheres that cover a body of the arm, in the frame of the joint that carries it."""
+        return self._covers[k]
+
     def ball(self, k: int) -> Array:
         """(4,) a sphere around a body, in the frame of the joint that carries it."""
         ball: Array = self._balls[k]
@@ -243,8 +248,21 @@ class RealWorld:
         swapped = joints[first] > joints[second]
         inner, outer = np.where(swapped, second, first), np.where(swapped, first, second)
         begin, end = np.maximum(joints[inner], 0), joints[outer]
+        return self._moved_by(begin, end, outer, frames, centres, turns)
+
+    def swept(self, q: Array, k: int, turns: Array) -> float:
+        """How far a body is moved at most, m, while joints turn so far (7,) from a posture."""
+        frames = self._frames(q)
+        body = np.array([k])
+        _, centres = self._placed(frames)
+        return float(self._moved_by(np.zeros(1), np.array([self.joints[k]]), body, frames, centres, turns)[0])
+
+    def _moved_by(
+        self, begin: Array, end: Array, outer: NDArray[np.int64], frames: Array, centres: Array, turns: Array
+    ) -> Array:
+        """(n,) how far the joints after `begin` up to `end` move bodies at most, m."""
         reach = np.linalg.norm(centres[outer, None] - frames[None, 1:, :3, 3], axis=2) + self._balls[outer, 3, None]
-        total = np.zeros(len(first))
+        total = np.zeros(len(outer))
         for joint in range(7, 0, -1):
             total += ((begin < joint) & (joint <= end)) * turns[joint - 1] * (reach[:, joint - 1] + total)
         return total

@@ -30,10 +30,12 @@ class PathCollision(NamedTuple):
 class Edges:
     """The lines of a path, looked along: `hits` are what is in the way, or could not be shown to be out, of which.
 
-    By the spheres alone, unless real shapes are asked where these are in the way.
+    By the spheres alone, unless real shapes are asked where these are in the way, and those next to clouds, too.
     """
 
-    def __init__(self, around: Surroundings, q: Array, lines: NDArray[np.int64], by_shapes: bool) -> None:
+    def __init__(
+        self, around: Surroundings, q: Array, lines: NDArray[np.int64], by_shapes: bool, by_clouds: bool = False
+    ) -> None:
         found = around.along(q[lines], q[lines + 1], np.full(len(lines), around.margin))
         self.hits: list[PathCollision] = []
         for line, edge in zip(lines.tolist(), found, strict=True):
@@ -43,9 +45,19 @@ class Edges:
                 continue
             hit: tuple[float, Collision | None] = float(edge[at.EDGE_AT]), around.collision_of(edge)
             if by_shapes or is_clear:
-                hit = shapes_in_the_way(around, q[line : line + 2], around.margin)
+                look = _first_in_the_way if by_clouds else shapes_in_the_way
+                hit = look(around, q[line : line + 2], around.margin)
             if hit[1] is not None:
                 self.hits.append(PathCollision(line, hit[0], hit[1]))
+
+
+def _first_in_the_way(around: Surroundings, line: Array, margin: float) -> tuple[float, Collision | None]:
+    """What the real shapes hit first on a straight line (2, 7), clouds too, and where."""
+    forms = _forms_in_the_way(around, line, margin, 0.0, 0.0)
+    if not len(around.tables.formless):
+        return forms
+    place, near = around.clouds().along(line[0], line[1], margin)
+    return forms if near is None or (forms[1] is not None and forms[0] <= place) else (place, around.told(near))
 
 
 def shapes_in_the_way(
@@ -54,13 +66,19 @@ def shapes_in_the_way(
     """Where on the straight lines through postures (n, 7) the real shapes are closer than a margin, m, and which.
 
     With a tolerance, m, shapes also count that may come so near on a stretch on which none moves farther than that, or
-    that is some part of the whole.
+    that is some part of the whole. Clouds have no shapes.
     """
     formless = around.tables.formless
     if len(formless):
         found = around.along(way[:-1], way[1:], np.full(len(way) - 1, margin), formless)
         for line in np.flatnonzero(found[:, at.EDGE_PAIR] >= 0.0).tolist():
             return line + float(found[line, at.EDGE_AT]), around.collision_of(found[line], formless)
+    return _forms_in_the_way(around, way, margin, tolerance, part)
+
+
+def _forms_in_the_way(
+    around: Surroundings, way: Array, margin: float, tolerance: float, part: float
+) -> tuple[float, Collision | None]:
     pairs = around.watched(way, TOUCH)
     place, first, second, distance = around.real_world().along(way, margin + TOUCH, pairs, tolerance, part)
     if not first:

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 def collision(around: Surroundings, q: Array) -> Collision | None:
     """Which two bodies are closest of those that come within the margin at a posture (7,); None for none."""
-    return None if around.is_clear(q, False) else around.deepest_at(q)
+    return None if around.is_clear(q, False) else around.closest_at(q)
 
 
 def path_collisions(around: Surroundings, q: Array) -> list[PathCollision]:
     """What is in the way on which lines of a path (N, 7), its postures included."""
     if len(q) == 1:
         q = np.concatenate([q, q])
-    return Edges(around, q, np.arange(len(q) - 1), by_shapes=True).hits
+    return Edges(around, q, np.arange(len(q) - 1), by_shapes=True, by_clouds=True).hits

@@ -25,6 +25,7 @@ from srs_ik.solve.solution import Collision, Status
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
+    from srs_ik.collision.clouds import Clouds
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.collision.real_world import RealWorld
     from srs_ik.collision.tables import Tables
@@ -244,6 +245,12 @@ class Surroundings:
             world = state["_real_world"] = RealWorld(self.arm, still, self.tables.ranges)
         return world
 
+    def clouds(self) -> Clouds:
+        """The clouds around the real forms."""
+        from srs_ik.collision.clouds import Clouds
+
+        return Clouds(self.real_world(), self.tables)
+
     def widest(self, T: Array, found: Array, tolerance: float = 1e-6) -> Array:
         """(WIDE,) the arm angle of largest clearance, within a tolerance, m, over some intervals of a pose."""
         tables, out = self.tables, np.empty(at.WIDE)
@@ -306,6 +313,11 @@ class Surroundings:
             hits += [] if hit is None else [hit]
         return max(hits, key=lambda hit: hit.depth, default=None)
 
+    def closest_at(self, q: Array) -> Collision | None:
+        """The same where clouds, too, are asked for by the real shapes, which no set of arm angles does."""
+        hits = [self._nearest(q, self.watched(q)), self.told(self.clouds().nearest(q, self.margin))]
+        return max(filter(None, hits), key=lambda hit: hit.depth, default=None)
+
     def hits_of(self, T: Array, rows: Array) -> dict[tuple[int, ...], Collision]:
         """What hits what in answers that say so, by their index."""
         hits: dict[tuple[int, ...], Collision] = {}
@@ -337,11 +349,11 @@ class Surroundings:
 
     def _nearest(self, q: Array, pairs: Sequence[tuple[int, int]], more: float = 0.0) -> Collision | None:
         """Which of some pairs of bodies are too close at a posture, the closest of them by their real shapes."""
-        near = self.real_world().nearest(q, self.margin + more, pairs)
-        if near is None:
-            return None
-        first, second, distance = near
-        return Collision(first, second, max(self.margin - distance, 0.0))
+        return self.told(self.real_world().nearest(q, self.margin + more, pairs))
+
+    def told(self, near: tuple[str, str, float] | None) -> Collision | None:
+        """Two bodies and how near they are, m, as what is missing to the margin."""
+        return None if near is None else Collision(near[0], near[1], max(self.margin - near[2], 0.0))
 
     def collision(self, wide: Array) -> Collision | None:
         """Who is nearest to whom at an arm angle, and how much is missing to the margin."""
