@@ -72,6 +72,17 @@ def test_a_cloud_is_hit_where_spheres_are_at_its_points(name):
     assert 10 < lines < 50
 
 
+@pytest.mark.parametrize(("offset", "depth"), [((0.05, 0.0, 0.048), 0.012), ((0.0, 0.145, 0.01), 0.015)])
+def test_a_sphere_in_a_cylinder_is_as_deep_as_the_shortest_way_out(offset, depth):
+    q = [0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]
+    arm = srs_ik.load("iiwa14").with_bodies(spheres={"iiwa_link_7": [[0.0, 0.0, 0.0, 0.01]]})
+    T = srs_ik.pose_from_xyz_rpy([0.0, 0.0, 0.0], [0.4, 0.3, 0.2])
+    T.translation = arm.joint_frames(q)[7, :3, 3] - T.rotation @ offset
+    scene = srs_ik.Scene()
+    scene.add_cylinder("cylinder", T, 0.15, 0.1)
+    assert arm.collision(q, scene).depth == pytest.approx(depth, abs=1e-6)
+
+
 @pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm"])
 @pytest.mark.parametrize(("margin", "beyond"), [(0.0, 0.0), (0.03, 0.0), (0.0, 0.25)])
 def test_collisions_of_postures_are_those_that_pinocchio_tells(name, margin, beyond):

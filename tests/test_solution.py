@@ -310,3 +310,19 @@ def test_a_table_says_what_became_of_each_answer(all_branches):
         assert [table[name][k] for name in arm.joint_names] == flat[k].tolist() == solution.q.tolist()
         assert table["position_error"][k] == solution.position_error
     assert "UNREACHABLE" in table["status"]
+
+
+def test_postures_are_picked_by_masks_and_numbers():
+    arm = arms.load("iiwa14")
+    found = arm.solve_all(arm.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]))
+    negative = found.q[:, 3] < 0.0
+    assert 0 < negative.sum() < len(found)
+    for index in (negative, np.flatnonzero(negative), np.flatnonzero(negative).tolist()):
+        picked = found[index]
+        assert isinstance(picked, Solutions)
+        assert np.array_equal(picked.q, found.q[negative])
+        assert [each.branch for each in picked] == picked.branch.tolist()
+    assert not found[[False] * len(found)]
+    assert isinstance(found[np.int64(1)], Solution)
+    with pytest.raises(IndexError):
+        found[0, 1]

@@ -109,6 +109,11 @@ class Part:
             else:
                 self.cover = whole
 
+    @property
+    def rounded(self) -> Any:
+        """Its geometry, with a sphere as an ellipsoid."""
+        return coal.Ellipsoid(*self.form.size * 3) if self.form.kind == "sphere" else self.shape
+
     @cached_property
     def points(self) -> Array:
         """(n, 3) points whose convex hull contains the form, in the frame of its carrier."""
@@ -143,7 +148,11 @@ def apart(first: Part, at_first: Any, second: Part, at_second: Any, enough: floa
         level = float(out @ (at_first.getTranslation() - at_second.getTranslation()))
         return level + least_along(first.form, T.T @ out)
     if is_convex(first, second):
-        return _distance(first.shape, at_first, second.shape, at_second)
+        found = _distance(first.shape, at_first, second.shape, at_second)
+        if found < 0.0 and {first.form.kind, second.form.kind} == {"sphere", "cylinder"}:
+            # coal takes a sphere out of a cylinder through its side alone; an ellipsoid, by the shortest way.
+            found = max(found, _distance(first.rounded, at_first, second.rounded, at_second))
+        return found
     hulls = _distance(first.cover or first.shape, at_first, second.cover or second.shape, at_second)
     return hulls if hulls > enough else max(_distance(first.shape, at_first, second.shape, at_second), hulls)
 

@@ -113,11 +113,15 @@ class Solutions(_Rows, Sequence[Solution]):
     @overload
     def __getitem__(self, index: int) -> Solution: ...
     @overload
-    def __getitem__(self, index: slice) -> Solutions: ...
-    def __getitem__(self, index: int | slice) -> Solution | Solutions:
-        if isinstance(index, slice):
-            return Solutions(self._rows[index], self._joint_names, self.failure, self._elbow)
-        return self._solution(self._rows[index])
+    def __getitem__(self, index: slice | Sequence[int] | NDArray[Any]) -> Solutions: ...
+    def __getitem__(self, index: int | slice | Sequence[int] | NDArray[Any]) -> Solution | Solutions:
+        """One posture, or those of a slice, of a list of numbers or of a mask: ``found[found.q[:, 3] < 0]``."""
+        if isinstance(index, tuple):
+            raise IndexError(f"postures have one index, not {len(index)}")
+        rows = self._rows[index]
+        if rows.ndim > 1:
+            return Solutions(rows.reshape(-1, rows.shape[-1]), self._joint_names, self.failure, self._elbow)
+        return self._solution(rows)
 
     def __iter__(self) -> Iterator[Solution]:
         return map(self._solution, self._rows)
