@@ -66,7 +66,7 @@ def shapes_in_the_way(
     """Where on the straight lines through postures (n, 7) the real shapes are closer than a margin, m, and which.
 
     With a tolerance, m, shapes also count that may come so near on a stretch on which none moves farther than that, or
-    that is some part of the whole. Clouds have no shapes.
+    that is some part of the whole. Clouds count by the spheres of the arm.
     """
     formless = around.tables.formless
     if len(formless):
