@@ -9,22 +9,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.lanes import ALL, eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
-from srs_ik.kernels.chain.newton import STEPS, arm_angle
-from srs_ik.kernels.chain.newton_eight import all_times, close_eight
+from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_at_angle
 from srs_ik.kernels.curves.best import best_of_runs, search_followed
-from srs_ik.kernels.curves.in_step import LONGEST_STEP, one_of_seven
+from srs_ik.kernels.curves.in_step import LONGEST_STEP
 from srs_ik.kernels.exact.farthest import best_glance, copy_interval, draw_in, farthest_of_all
 from srs_ik.kernels.exact.intervals import intervals_of
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
-from srs_ik.kernels.layout.limb import SIZE
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, SIZE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
+from srs_ik.kernels.limb.limits import margin
 from srs_ik.kernels.near.arcs import (
     ARC,
     ARC_ELBOW,
@@ -36,12 +35,15 @@ from srs_ik.kernels.near.arcs import (
     touches,
     without_arcs,
 )
-from srs_ik.kernels.near.band import may_predict_limits, widen
+from srs_ik.kernels.near.band import may_predict_limits, share_of, sines_of_middles, widen
 from srs_ik.kernels.near.intervals import has_none
 from srs_ik.kernels.near.predicted import is_surely_out, predicted_intervals
-from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
+from srs_ik.kernels.near.scan import view_of
 from srs_ik.kernels.near.second_attempts import found_again, may_be_on_line
-from srs_ik.kernels.near.within import best_within, measure_points
+from srs_ik.kernels.near.within import best_within
+
+SINGULAR = 1e-9
+"""A sine of shoulder or wrist below this counts as this."""
 
 
 @kernel
@@ -56,19 +58,23 @@ def best_on_arcs(P, box, by, points, count, branch, best):
 
 
 @kernel
-def first_best(P, view, branch):
-    """The posture beside the exact limb's best one; its cost is 0 where there is none inside the limits."""
+def expected_cost(P, view, branch):
+    """What the best posture costs at most, as the band tells beside the exact limb's best one.
+
+    Where that is not so, none is found that costs less. It is 0 where the exact limb has none inside the limits.
+    """
     place_ = view.target.place
-    none = Best(NO_SEED, 0.0)
-    q, best_branch, lowest = best_glance(P, place_, view.sides, branch, True)
+    q, _, lowest = best_glance(P, place_, view.sides, branch, True)
     if not lowest < 0.0:
-        q, best_branch, lowest = farthest_of_all(P, P, place_, branch, True)
+        q, _, lowest = farthest_of_all(P, P, place_, branch, True)
     if not lowest < 0.0:
-        return none
-    for i in range(8):
-        view.points[i, POINT_PSI] = arm_angle(P, q, place_[0], place_[1])
-        view.points[i, POINT_BRANCH] = best_branch
-    return measure_points(P, view.points, 0, 1, none) if put_points(P, view, view.points, 0) else none
+        return 0.0
+    s2, s6 = sines_of_middles(P, q)
+    for j in range(7):
+        if P[INVERSE_HALF_RANGE + j] > 0.0:
+            off = view.band[j] / max(share_of(j, s2, s6), SINGULAR)
+            lowest = max(lowest, off * P[INVERSE_HALF_RANGE + j] - margin(P, j, q[j]))
+    return min(lowest, 0.0)
 
 
 @kernel
@@ -76,10 +82,11 @@ def closed_best(P, target, best):
     """A posture that was looked at, closed, with its cost."""
     R, p, place_ = target
     psi = arm_angle(P, best.q, place_[0], place_[1])
-    alike = all_times(eight_of(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), best.q)
-    closed, met = close_eight(P, alike, R, p, place_[0], place_[1], psi, STEPS)
-    q = turned(P, one_of_seven(closed, 0), False, NO_SEED, True)
-    return Best(q, cost(P, q, False, NO_SEED, True) if met == ALL else NO_BRANCH)
+    A = np.empty((16, 9))
+    q, met = close_at_angle(P, best.q, R, p, place_[0], place_[1], psi, STEPS, A)
+    keep(A)
+    q = turned(P, q, False, NO_SEED, True)
+    return Best(q, cost(P, q, False, NO_SEED, True) if met else NO_BRANCH)
 
 
 @kernel
@@ -92,7 +99,8 @@ def predicted_best(P, target, branch, J, A):
     best = Best(NO_SEED, NO_BRANCH)
     if not may_predict_limits(P, target.place, view.band):
         return best, False
-    best = first_best(P, view, branch)
+    most = expected_cost(P, view, branch)
+    best = Best(NO_SEED, most)
     boxes = np.empty((2, SIZE))
     box = row(boxes, 0)
     if not draw_in(P, best.cost, True, box):
@@ -116,9 +124,10 @@ def predicted_best(P, target, branch, J, A):
         if count > 0:
             best, certain = best_on_arcs(P, box, by, view.points, count, branch, best)
     keep(boxes)
-    if certain and best.cost < 0.0:
-        best = closed_best(P, target, best)
-    return best, certain and best.cost < 0.0
+    if not (certain and best.cost < most):
+        return best, False
+    best = closed_best(P, target, best)
+    return best, best.cost < 0.0
 
 
 @kernel
