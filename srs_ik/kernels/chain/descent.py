@@ -7,7 +7,7 @@ curve of configurations turns around in a needle whose sides floats hardly tell 
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7, largest, store7, with_joint
 from srs_ik.kernels.algebra.pointers import read7, row
 from srs_ik.kernels.algebra.vectors import along, norm, sub
 from srs_ik.kernels.chain import newton
@@ -32,8 +32,14 @@ LOST = (1e-8, 1e-14)
 """Directions of the tip that other joints leave less of than this count as lost: first those in which floats hardly
 tell a step, then those in which they tell nothing."""
 
-FULL_STEPS = 8
-"""Steps without damping, each of which leaves less of an error that gentle steps have left."""
+SMALL = 1e-2
+"""Where a step of the first kind gains less than this part of what a whole one promises, the second kind follows."""
+
+ON_LIMIT = 1e-8
+"""Joints this close to a limit, rad, are on it: what closes a posture takes them off by less."""
+
+FULL_STEPS = 9
+"""Postures, the first one included, to which steps without damping lead that take out what gentle ones have left."""
 
 QUICK = (24, 1e-5)
 THOROUGH = (100, 1e-10)
@@ -103,10 +109,10 @@ def slid(P, target, q, goal, J, A):
 
 
 @kernel
-def keeping_pose(J, way, lost):
-    """What of a way keeps the pose, to first order, by the method of Gram and Schmidt; J is used up.
+def closest_way(J, way, lost, A):
+    """The way closest to one that moves the tip by the twist in column 6 of A, to first order; J and it are used up.
 
-    Directions of the tip that are lost but for a part do not count.
+    By the method of Gram and Schmidt. Directions of the tip that are lost but for a part do not count.
     """
     for i in range(6):
         most, longest_row = -1.0, i
@@ -116,64 +122,98 @@ def keeping_pose(J, way, lost):
                 most, longest_row = dot7(rest, rest), k
         if most <= lost * lost:
             break
-        unit = along7(NO_SEED, 1.0 / math.sqrt(most), read7(row(J, longest_row)))
+        size = math.sqrt(most)
+        unit, along_unit = along7(NO_SEED, 1.0 / size, read7(row(J, longest_row))), A[longest_row, 6] / size
         store7(row(J, longest_row), 0, read7(row(J, i)))
+        A[longest_row, 6] = A[i, 6]
         # Twice each: the second time takes out what rounding has left.
         for k in range(i + 1, 6):
-            rest = read7(row(J, k))
-            rest = along7(rest, -dot7(unit, rest), unit)
-            store7(row(J, k), 0, along7(rest, -dot7(unit, rest), unit))
-        way = along7(way, -dot7(unit, way), unit)
-        way = along7(way, -dot7(unit, way), unit)
+            for _ in range(2):
+                rest = read7(row(J, k))
+                part = dot7(unit, rest)
+                store7(row(J, k), 0, along7(rest, -part, unit))
+                A[k, 6] -= part * along_unit
+        for _ in range(2):
+            way = along7(way, along_unit - dot7(unit, way), unit)
     return way
 
 
 @kernel
-def toward_seed(P, q, target, goal, lost, J):
-    """The way from a posture to the seed, as far as it keeps the pose and the limits, to first order."""
+def put_twist(linear, angular, A):
+    """Write a twist into column 6 of A."""
+    for i in range(3):
+        A[i, 6] = linear[i]
+        A[i + 3, 6] = angular[i]
+
+
+@kernel
+def hold(J, blocked):
+    """Joints in the bit set `blocked` move the tip no more."""
+    for i in range(6 if blocked != 0 else 0):
+        store7(row(J, i), 0, newton.with_zeros(read7(row(J, i)), blocked))
+
+
+@kernel
+def toward_seed(P, q, target, goal, lost, J, A):
+    """The way from a posture to the seed, as far as it keeps the pose and the limits, to first order.
+
+    Joints that are on limits but for what closing has taken them off go all the way: next to singularities that matters
+    to the others, and where they went beyond and were clipped each step would have to be small.
+    """
     blocked = 0
-    way = NO_SEED
+    way = onto = NO_SEED
     for _ in range(7):
         newton.pose_step(P, q, target.R, target.p, J)
         for i in range(6):
-            store7(row(J, i), 0, newton.with_zeros(read7(row(J, i)), blocked))
-        way = keeping_pose(J, newton.with_zeros(along7(goal.seed, -1.0, q), blocked), lost)
+            A[i, 6] = -dot7(onto, row(J, i))
+        hold(J, blocked)
+        way = closest_way(J, newton.with_zeros(along7(goal.seed, -1.0, q), blocked), lost, A)
         again = blocked
         for j in range(7 if goal.respect else 0):
-            if (q[j] <= P[LOWER + j] and way[j] < 0.0) or (q[j] >= P[UPPER + j] and way[j] > 0.0):
+            end = P[LOWER + j] if way[j] < 0.0 else P[UPPER + j]
+            if way[j] * (end - q[j]) <= abs(way[j]) * ON_LIMIT and way[j] != 0.0:
                 again |= 1 << j
+                onto = with_joint(onto, j, end - q[j])
         if again == blocked:
             break
         blocked = again
-    return way
+    return along7(way, 1.0, onto)
 
 
 @kernel
-def close_fully(P, q, error, target, respect, J, A):
-    """Steps without damping from a posture that is closed, as long as each leaves less of the error: q, error.
+def close_fully(P, q, target, respect, J, A):
+    """Shortest steps without damping from a posture that is closed: the one with the least error, and that error.
 
     Gentle steps leave what of an error is along directions that are as good as lost. From one step along the postures
-    to the next that adds up, to far more than the joints that it is worth, until none is closed any more.
+    to the next that adds up, to far more than the joints that it is worth, until none is closed any more. The first
+    step along such a direction may leave more than there was, of second order; each of the others has to leave less.
     """
     blocked = 0
+    best, least = q, math.inf
+    first, most = True, math.inf
     for _ in range(FULL_STEPS):
-        if error < newton.ROUNDING:
-            break
         linear, angular = newton.pose_step(P, q, target.R, target.p, J)
-        newton.shortest_step(J, linear, angular, blocked, 0.0, A)
-        there = newton.moved(q, A, 1.0)
+        error = max(norm(linear), norm(angular))
+        if error < least:
+            best, least = q, error
+        if error < newton.ROUNDING or error > most:
+            break
+        hold(J, blocked)
+        put_twist(linear, angular, A)
+        step = closest_way(J, NO_SEED, LOST[1], A)
+        if largest(step) > newton.MAX_STEP:
+            break
+        there = along7(q, 1.0, step)
         again = blocked
         for j in range(7 if respect else 0):
             if there[j] < P[LOWER + j] or there[j] > P[UPPER + j]:
                 again |= 1 << j
-        if again != blocked:
-            blocked = again
-            continue
-        left = max(*pose_error(P, there, target.R, target.p))
-        if left > newton.STALLED * error:
-            break
-        q, error = there, left
-    return q, error
+        if again == blocked:
+            q = there
+            first, most = False, math.inf if first else newton.STALLED * error
+        else:
+            blocked, first, most = again, True, math.inf
+    return best, least
 
 
 @kernel
@@ -191,7 +231,7 @@ def descend(P, q, target, goal, least, work):
     size = 1.0
     kind = 0
     for _ in range(steps):
-        way = toward_seed(P, q, target, goal, LOST[kind], J)
+        way = toward_seed(P, q, target, goal, LOST[kind], J, A)
         long = dot7(way, way)
         gained = 0.0
         for _ in range(TRIALS):
@@ -201,8 +241,8 @@ def descend(P, q, target, goal, least, work):
             if goal.respect:
                 there = newton.clipped(P, there)
             there, error = newton.close_gently(P, there, target.R, target.p, goal.respect, J, A)
-            if error <= most:
-                there, error = close_fully(P, there, error, target, goal.respect, J, A)
+            if error <= newton.LEFT:
+                there, error = close_fully(P, there, target, goal.respect, J, A)
             value = cost(P, there, True, goal.seed, goal.respect)
             if error <= most and value < (1.0 - gain) * lowest:
                 gained = lowest - value
@@ -210,7 +250,7 @@ def descend(P, q, target, goal, least, work):
                 break
             size *= SHORTER
         size = min(2.0 * size, 1.0)
-        if gained == 0.0:
+        if gained == 0.0 or (kind == 0 and gained < SMALL * long):
             kind, size = kind + 1, 1.0
             if kind == len(LOST):
                 break

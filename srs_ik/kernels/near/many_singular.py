@@ -14,8 +14,8 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.chain.descent import QUICK, THOROUGH, descend, slid
-from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
+from srs_ik.kernels.chain.descent import QUICK, THOROUGH, close_fully, descend, slid
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, close_gently
 from srs_ik.kernels.chain.rank_five import ALONE, steadily_closer, to_rank_five
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import SIZE
@@ -48,6 +48,9 @@ def try_from(P, q, target, goal, best, work):
     q, error = close_gently(P, q, target.R, target.p, goal.respect, J, A)
     if error > LEFT:
         return best
+    if error > 0.1 * CLOSED:
+        # What is left may be worth more along directions as good as lost than all that steps to the seed gain.
+        q, _ = close_fully(P, q, target, goal.respect, J, A)
     q = turned(P, q, True, goal.seed, goal.respect)
     if math.sqrt(cost(P, q, True, goal.seed, False)) > math.sqrt(best[2]) + AROUND:
         return best

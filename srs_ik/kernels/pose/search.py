@@ -170,7 +170,11 @@ def going_on(P, target, goal, found, J, A):
     if OUTSIDE <= cost(P, q, True, goal.seed, True) < OUTSIDE + BLURRED:
         # In a turn closer to the seed, rounding alone may put it outside the limits.
         found = try_from(P, clipped(P, q), target, goal, found, (J, A))
-    return split_behind_limits(P, target, goal, found, (J, A))
+    nearer = split_behind_limits(P, target, goal, found, (J, A))
+    if nearer[2] == found[2]:
+        return found
+    q, value = descend(P, nearer[0], target, goal, THOROUGH, (J, A))
+    return q, branch_of(P, q), value
 
 
 @kernel
