@@ -393,6 +393,33 @@ def test_at_the_end_of_the_reach_few_directions_of_a_cone_meet_a_pose(name, axis
         assert_met(name, free, solution.q, T)
 
 
+@pytest.mark.parametrize(
+    ("limb", "axis", "q", "seed"),
+    [
+        (
+            48,
+            [1.0, 0.0, 0.0],
+            [1.08, 1.33, 0.79, -0.22, 0.26, -1.03, -1.12],
+            [1.71, 2.36, 1.51, -0.15, -0.77, 1.32, -0.17],
+        ),
+        (
+            193,
+            [0.0, 0.0, 1.0],
+            [-1.06, 0.01, 1.23, -0.34, 0.49, 0.68, -0.39],
+            [0.32, -0.94, 1.54, -0.35, -0.01, 1.28, 1.95],
+        ),
+    ],
+)
+def test_where_few_directions_of_a_cone_reach_the_answer_is_no_farther_than_a_known_posture(limb, axis, q, seed):
+    arm = srs_ik.load(random_limb(limb, "coordinate", "straight", "usual").model, base="base", tip="tool")
+    free = FreeAxis(axis, cone=1.0)
+    T = arm.forward_kinematics(q).homogeneous
+    T[:3, :3] = T[:3, :3] @ pin.exp3(0.9 * np.roll(free.axis, 1))
+    solution = arm.solve(T, seed=seed, free_axis=free)
+    assert solution, solution.message
+    assert np.linalg.norm(solution.q - seed) <= np.linalg.norm(np.subtract(q, seed)) + 1e-9
+
+
 @pytest.mark.parametrize("cone", [1e-6, 1e-3, 0.05, 0.3, 1.0, 2.0, math.pi])
 @pytest.mark.parametrize("name", ["iiwa14", "human_arm", "gen3"])
 def test_no_cone_is_answered_worse_than_the_roll_alone(name, cone):

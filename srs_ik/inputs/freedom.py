@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask, quoted
 from srs_ik.inputs.numbers import array_or_empty, real_number
-from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, FREEDOM
+from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, FREE_FIRST, FREEDOM
 from srs_ik.system.arrays import Array
 
 ANY = "any"
@@ -35,7 +35,7 @@ FINE_WIDE_APART, FINE_WIDE_ROLLS = 0.9, 4
 """The same where turns are looked at and not searched from; in wide cones."""
 
 MANY_APART, MANY_ROLLS = 0.7, 12
-"""The same where no search from those has met a pose: how far apart directions are at most, by the cone."""
+"""The same where few of those reach, or none has met a pose: how far apart directions are at most, by the cone."""
 
 
 class FreeAxis:
@@ -74,23 +74,26 @@ class FreeAxis:
         packed = np.zeros(FREEDOM)
         packed[FREE_AXIS : FREE_AXIS + 3] = self.axis
         packed[FREE_CONE] = self.cone
+        packed[FREE_FIRST] = len(self._first_turns)
         return packed
 
     @cached_property
     def turns(self) -> Array:
-        """(n, 9) rotations of the tip, all over what is free; none of the roll, of which kernels know."""
+        """(n, 9) rotations of the tip, all over what is free, a few first; none of the roll, of which kernels know.
+
+        All of them are needed where few meet a pose: at the end of the reach, above all.
+        """
+        if self.cone == 0.0:
+            return self._first_turns
+        return np.concatenate([self._first_turns, self._spread(min(FINE_APART, MANY_APART * self.cone), MANY_ROLLS)])
+
+    @cached_property
+    def _first_turns(self) -> Array:
         if self.cone == 0.0:
             return np.empty((0, 9))
         if self.cone <= NARROW:
             return self._spread(NARROW_APART * self.cone, NARROW_ROLLS, 0.5)[NARROW_ROLLS:]
         return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
-
-    @cached_property
-    def many_turns(self) -> Array:
-        """More of them, where few meet a pose: at the end of the reach, above all."""
-        if self.cone == 0.0:
-            return self.turns
-        return self._spread(min(FINE_APART, MANY_APART * self.cone), MANY_ROLLS)
 
     def _spread(self, apart: float, rolls: int, shift: float = 0.0) -> Array:
         return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls, shift)

@@ -14,7 +14,7 @@ from srs_ik.inputs.freedom import FreeAxis, as_free_axis
 from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import freedom as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
-from srs_ik.kernels.layout.freedom import MOST_STARTS, START, WORK
+from srs_ik.kernels.layout.freedom import FREE_FIRST, MOST_STARTS, START, WORK
 from srs_ik.solve import pose
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.packed import PackedArm
@@ -33,21 +33,24 @@ CLOSEST_OF = 24
 
 
 class _Question(NamedTuple):
-    """Poses, what they leave free, near which seeds postures should be, inside the limits or anywhere; turns tried."""
+    """Poses, what they leave free, near which seeds postures should be, inside the limits or anywhere.
+
+    Of turns of a cone, a few are tried first, or all at once.
+    """
 
     arm: PackedArm
     poses: Array
     free: FreeAxis
     seeds: Array
     respect: bool
-    turns: Array
+    all_turns: bool = False
 
 
 def solve(arm: PackedArm, wanted: PoseLike, free_axis: Any, seed: ArrayLike | None, respect: bool) -> Solution:
     """See `Arm.solve`."""
     free, T = as_free_axis(free_axis), as_matrix(wanted)
     seeds = NO_SEEDS if seed is None else as_seed(seed, arm.lower, arm.upper)[None]
-    row, verdict = _searched_once(_Question(arm, T[None], free, seeds, respect, free.turns))
+    row, verdict = _searched_once(_Question(arm, T[None], free, seeds, respect))
     if verdict:
         raise invalid_pose(verdict)
     if row[ROW_STATUS] != _OK:
@@ -61,7 +64,7 @@ def solve_batch(
     """See `Arm.solve_batch`."""
     free, T = as_free_axis(free_axis), as_matrices(poses)
     seeds = as_seeds(seed, len(T), arm.lower, arm.upper)
-    rows, verdicts = _searched(_Question(arm, T, free, seeds, respect, free.turns), threads)
+    rows, verdicts = _searched(_Question(arm, T, free, seeds, respect), threads)
     refuse_bad_poses(verdicts)
     for i in np.flatnonzero(rows[:, ROW_STATUS] != _OK).tolist():
         rows[i] = _found_otherwise(arm, T[i], free, seed_of(seeds, i), respect)
@@ -75,7 +78,7 @@ def met_batch(
 
     `solve_batch` looks on where these meet nothing, which takes milliseconds.
     """
-    rows, _ = _searched(_Question(arm, T, free, seeds, respect, free.turns), threads)
+    rows, _ = _searched(_Question(arm, T, free, seeds, respect), threads)
     return rows[:, :7], rows[:, ROW_STATUS] == _OK
 
 
@@ -116,16 +119,20 @@ def _searched_once(asked: _Question) -> tuple[Array, int]:
 
 
 def _search(asked: _Question, out: Array, verdicts: NDArray[np.int8], first: int, last: int) -> None:
-    arm, poses, free, seeds, respect, turns = asked
+    arm, poses, free, seeds, respect, all_turns = asked
+    packed = free.packed
+    if all_turns:
+        packed = packed.copy()
+        packed[FREE_FIRST] = len(free.turns)
     space = np.empty(WORK), np.empty((MOST_STARTS, START))
-    entries.solve_range(arm.family, poses, first, last, free.packed, turns, seeds, respect, *space, out, verdicts)
+    entries.solve_range(arm.family, poses, first, last, packed, free.turns, seeds, respect, *space, out, verdicts)
 
 
 def _met_at_all(
     arm: PackedArm, T: Array, free: FreeAxis, starts: Array, seed: Array | None, respect: bool
 ) -> Array | None:
     """The answer nearest to a seed at the turn that searches from a start, or from none, lead to; None without one."""
-    row, _ = _searched_once(_Question(arm, T[None], free, starts, respect, free.many_turns))
+    row, _ = _searched_once(_Question(arm, T[None], free, starts, respect, True))
     if row[ROW_STATUS] != _OK or seed is None:
         return row if row[ROW_STATUS] == _OK else None
     turned = T.copy()

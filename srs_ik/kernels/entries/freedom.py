@@ -4,7 +4,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import read_freedom
 from srs_ik.kernels.freedom.solve import solve_free
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.freedom import SYSTEM, TABLE, Desk
+from srs_ik.kernels.layout.freedom import FREE_FIRST, SYSTEM, TABLE, Desk
 from srs_ik.kernels.pose.solve import own_goal
 
 
@@ -26,6 +26,6 @@ def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work
         row(work[shares:].reshape((1, TABLE)), 0),
         starts,
     )
-    free = read_freedom(row(freedom, 0)), turns
+    free = read_freedom(row(freedom, 0)), turns, int(freedom[FREE_FIRST])
     for i in range(first, last):
         verdicts[i] = solve_free(family, row(poses, i), free, own_goal(seeds, i, respect), desk, row(out, i))

@@ -29,6 +29,7 @@ from srs_ik.kernels.freedom.starts import APART, NO_NEARER, NONE_LEFT, change_pl
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
+from srs_ik.kernels.layout.limb import STRAIGHT
 
 ALMOST = 0.01
 """A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
@@ -46,6 +47,10 @@ left out."""
 
 OFF_LIMIT = 1.0
 """So far from its limit, rad, a joint of the best posture starts again: another joint may be the one to be held."""
+
+BARELY_BENT = 0.3
+"""Where the elbow of the best posture is bent by less, rad, a search starts with it bent as far to the other side: what
+is nearest there is almost as near, and too close to be a start of its own."""
 
 DISTANT, BENT_OVER = 2.75, 1.5
 """Where the best posture is farther from the seed, rad, joints 2, 4 and 6 each start again so far to either side of it,
@@ -204,6 +209,9 @@ def once_more(P, pose, freedom, liking, found, desk):
         if (held >> j) & 1 == 1:
             off = OFF_LIMIT if best[j] - liking.lower[j] < liking.upper[j] - best[j] else -OFF_LIMIT
             found = nearer_from(P, pose, freedom, liking, with_joint(best, j, best[j] + off), found, desk)
+    bend = best[3] - P[STRAIGHT]
+    if abs(bend) < BARELY_BENT:
+        found = nearer_from(P, pose, freedom, liking, with_joint(best, 3, best[3] - 2.0 * bend), found, desk)
     if found.cost > DISTANT * DISTANT:
         best = found.q
         for j in range(1, 7, 2):

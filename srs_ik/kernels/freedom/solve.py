@@ -128,7 +128,7 @@ def solve_free(family, T, free, goal, desk, out):
     Args:
         family: (4, SIZE) packed limb.
         T: the 16 figures of the pose.
-        free: the freedom, and the turns (n, 9) that it is searched at where the axis may lean.
+        free: the freedom, the turns (n, 9) that it is searched at where the axis may lean, and how many of these first.
         goal: seven joint angles to stay near, or none, and whether joint limits count.
         desk: work space.
         out: a row; one that is UNREACHABLE has no posture in it.

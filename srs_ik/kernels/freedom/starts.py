@@ -31,6 +31,7 @@ from srs_ik.kernels.layout.freedom import (
     LINE,
     MOST_STARTS,
     MOST_TAKEN,
+    REACHED,
     SHIFT,
     START,
     START_COST,
@@ -83,6 +84,9 @@ LOOSE = 1e-3
 OFF = 0.9
 """On a limb that is almost exact, joint 7 starts so far to either side of where it is wanted, too, rad. With the elbow
 on a limit, equations almost depend on each other there: a search may fail from one start, and not from another."""
+
+FEW = 4
+"""Where fewer turns of a cone reach than so many, each side of the elbow counted, many more turns are looked at."""
 
 NOWHERE = (0.0, 0.0, 0.0)
 TURN = 2.0 * math.pi
@@ -143,6 +147,7 @@ def fill_row(P, pose, elbow, sought, table):
         if outside > MOST_OUTSIDE:
             return False
         cost = STEEP * outside + ((e - wish[3]) ** 2 if seeded else 0.0)
+    table[REACHED] += 1.0
     useless = costs_of_no_use(sought, table)
     if useless[0] < cost < useless[1]:
         return False
@@ -260,15 +265,13 @@ def starts_of_roll(P, pose, freedom, sought, desk):
 
 
 @kernel
-def starts_of_turns(P, pose, given, sought, desk, n):
-    """Write starts as `starts_of_roll` at turns, behind n others; return the number of all."""
+def add_turns(P, pose, given, sought, desk, n):
+    """Write the starts of turns from one to before another; return how many there are."""
     R, p = pose
-    freedom, turns = given
-    first = n
-    desk.table[INSIDE] = min(desk.table[INSIDE], sought.known.cost)
+    freedom, turns, (first, last) = given
     for elbow in range(2):
         before = NOWHERE
-        for k in range(turns.shape[0]):
+        for k in range(first, last):
             turn = load9(row(turns, k), 0)
             if not sought.loose:
                 n = add_turn(P, (times(R, turn), p), 0, elbow, sought, desk, n)
@@ -278,6 +281,19 @@ def starts_of_turns(P, pose, given, sought, desk, n):
             if norm(sub(axis, before)) > SAME_PLACE:
                 n = add_shifted(P, (times(R, turn), p), elbow, sought, desk, n)
             before = axis
+    return n
+
+
+@kernel
+def starts_of_turns(P, pose, given, sought, desk, n):
+    """Write starts as `starts_of_roll` at turns, behind n others; return the number of all."""
+    freedom, turns, many = given
+    first = n
+    desk.table[INSIDE] = min(desk.table[INSIDE], sought.known.cost)
+    desk.table[REACHED] = 0.0
+    n = add_turns(P, pose, (freedom, turns, (0, many)), sought, desk, n)
+    if desk.table[REACHED] < FEW:
+        n = add_turns(P, pose, (freedom, turns, (many, turns.shape[0])), sought, desk, n)
     for i in range(first, n):
         desk.starts[i, START_LEANS] = 1.0
     return n

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 FREE_AXIS = 0  # 3, unit vector in the tip frame
 FREE_CONE = 3  # rad; 0: the turn about the axis alone is free, pi: all turns are
-FREEDOM = 4
+FREE_FIRST = 4  # how many of its turns are looked at first, and the rest where few of these reach
+FREEDOM = 5
 """A freedom as an array."""
 
 SYSTEM = 16
@@ -37,10 +38,12 @@ LINE = ELBOW_ANGLE + 2
 SHIFT = LINE + 3
 BRANCH_COST = SHIFT + 1
 INSIDE = BRANCH_COST + ARM_ANGLES + 2
-TABLE = INSIDE + 1
+REACHED = INSIDE + 1
+TABLE = REACHED + 1
 """Postures at a turn: both solutions of the shoulder, both of the wrist, and the elbow; the direction from shoulder to
 wrist and the shift of the arm angles, for which they were written; what a branch costs at all arm angles, the last
-before the first and the first behind the last; what the best start inside the limits costs."""
+before the first and the first behind the last; what the best start inside the limits costs; how many turns
+have reached, each side of the elbow counted."""
 
 WORK = 49 + 3 * SYSTEM * SYSTEM + TABLE
 """Work space of a search."""
