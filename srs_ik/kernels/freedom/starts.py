@@ -86,7 +86,8 @@ OFF = 0.9
 on a limit, equations almost depend on each other there: a search may fail from one start, and not from another."""
 
 FEW = 4
-"""Where fewer turns of a cone reach than so many, each side of the elbow counted, many more turns are looked at."""
+"""Where fewer turns of a cone reach than so many, each side of the elbow counted, what is nearest to a seed is looked
+for at many more."""
 
 NOWHERE = (0.0, 0.0, 0.0)
 TURN = 2.0 * math.pi
@@ -292,7 +293,7 @@ def starts_of_turns(P, pose, given, sought, desk, n):
     desk.table[INSIDE] = min(desk.table[INSIDE], sought.known.cost)
     desk.table[REACHED] = 0.0
     n = add_turns(P, pose, (freedom, turns, (0, many)), sought, desk, n)
-    if desk.table[REACHED] < FEW:
+    if sought.seeded and desk.table[REACHED] < FEW:
         n = add_turns(P, pose, (freedom, turns, (many, turns.shape[0])), sought, desk, n)
     for i in range(first, n):
         desk.starts[i, START_LEANS] = 1.0
