@@ -166,9 +166,17 @@ ELSEWHERE = [
       -2.3636108331141585, -2.681774877772474),
      (2.6277481418674515, -0.7570997715195609, -1.7563590149825292, 2.837465942814765e-08, -1.0198399396168925,
       -2.4696258321571603, -2.8530698090103273)),
+    ("random_oblique", 97000001, 14,
+     (0.861099524302867, -0.03968189907601314, 4.494957926241266, 1e-12, -0.18960876602473364, 0.05546514773334712,
+      -1.0158092536930048),
+     (0.9305396741821881, -1.4638392277209806, 5.256997515008216, 2.887434292531318, 0.9326549793152643,
+      3.5580397761485987, -2.7038466490586197),
+     (0.861099524302867, -0.03968189907601314, 4.494957926241266, 1e-12, -0.18960876602473364, 0.05546514773334712,
+      -1.0158092536930048)),
 ]  # fmt: skip
-"""The same, of postures that are nearer elsewhere: on a small closed curve to whose centre 13 steps lead, and with
-joint 7, beyond a limit but for rounding, a turn away."""
+"""The same, of postures that are nearer elsewhere: on a small closed curve to whose centre 13 steps lead, with joint 7,
+beyond a limit but for rounding, a turn away, and in an interval of 4e-5 rad, where the reaches of shoulder and wrist
+end."""
 
 FARTHER_INSIDE = (
     (0, (2.8883971832896487, 1e-10, -3.1655901855809496, -2.4773068477198968e-08, 0.4426132107692151, 1e-10,
@@ -326,7 +334,7 @@ def test_steps_go_on_where_what_is_left_of_an_error_is_worth_far_more(judges, ca
     assert_is_no_farther(judges, case)
 
 
-@pytest.mark.parametrize("case", ELSEWHERE, ids=["small curve", "another turn"])
+@pytest.mark.parametrize("case", ELSEWHERE, ids=["small curve", "another turn", "narrow interval"])
 def test_nearer_postures_that_few_steps_or_rounding_hide_are_found(judges, case):
     assert_is_no_farther(judges, case)
 

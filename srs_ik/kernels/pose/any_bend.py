@@ -116,6 +116,8 @@ def best_in_interval(family, target, interval, wanted, goal, best):
     boxes = np.empty((1, at.SIZE))
     box = row(boxes, 0)
     tighten(P, NO_SEED, math.inf, WIDER, box)
+    # Rounding may leave less of an interval as narrow as that than any arm angle that is looked at.
+    narrow = interval[0, 2] - interval[0, 1] < WIDER
     for in_line in range(2 if may_split(P, place_) else 1):
         if in_line == 1:
             box[at.SLACK_SINGULAR] = NEARLY_IN_LINE
@@ -123,12 +125,12 @@ def best_in_interval(family, target, interval, wanted, goal, best):
             q, branch, value = nearest_within(box, place_, interval, -1, goal, best[2])
         else:
             q, branch, value = farthest(box, place_, interval, -1, goal.respect)
-        if value >= OUTSIDE and (in_line == 1 or best[2] < OUTSIDE):
+        if value >= OUTSIDE and (in_line == 1 or (best[2] < OUTSIDE and not narrow)):
             continue
         # On a limit that rounding may put a joint beyond, which then is taken in another turn at its arm angle.
         found = (clipped(P, q), branch, value)
         best = closed_in_branch(P, target, found, wanted, goal, best, work)
-        if best[2] < OUTSIDE and worse_by(best[2], value, goal.seeded) < BETTER:
+        if max(value, best[2]) < OUTSIDE and worse_by(best[2], value, goal.seeded) < BETTER:
             continue
         psi = arm_angle(P, q, place_[0], place_[1])
         if value >= OUTSIDE:
