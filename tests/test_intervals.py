@@ -282,3 +282,17 @@ def test_known_postures_on_limits_of_ranges_of_almost_half_a_turn_are_in_an_inte
         psi, branch = arm.arm_angle(q), arm.branch(q)
         own = [i for i in arm.intervals(pose) if i.branch == branch]
         assert any((psi - i.lower + 1e-7) % (2.0 * np.pi) <= i.width + 2e-7 for i in own), q.tolist()
+
+
+@pytest.mark.parametrize("name", arms.here("med7"))
+def test_where_events_are_equal_across_the_seam_no_arm_angle_is_told_that_is_not_met(name):
+    arm = arms.load(name)
+    q = [2.9670597283903604, 0.0, 0.919105624543834, 2.0943951023931953, 0.0627894642909319, 0.0, 2.928394977057947]
+    pose = arm.forward_kinematics(q)
+    found = arm.intervals(pose)
+    assert found
+    for interval in found:
+        assert interval.lower <= interval.upper
+        for share in (0.0, 0.5, 1.0):
+            psi = interval.lower + share * interval.width
+            assert arm.solve(pose, arm_angle=psi, branch=interval.branch), (interval, share)

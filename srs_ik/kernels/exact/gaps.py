@@ -175,9 +175,10 @@ def mark_gaps(P, k, motion, wanted, events, n, marks):
                 marks[i] = feasible_signs(P, k, motion, middle_of_gap(events, n, i), wanted)
             else:
                 marks[i] = wanted & (((first >> bit) & 1) | (((second >> bit) & 1) << 1))
-    # Equal events leave no gap between them: it takes after the gap before it, and so parts and joins nothing.
-    before = marks[n - 1] if n > 0 else 0
-    for i in range(n):
-        if marks[i] < 0:
-            marks[i] = before
-        before = marks[i]
+    # Equal events leave no gap between them: it takes after the gap before it, and so parts and joins nothing. Twice
+    # around, for the last ones and the first may be equal.
+    before = -1
+    for i in range(2 * n):
+        if marks[i % n] < 0:
+            marks[i % n] = before
+        before = marks[i % n]

@@ -109,7 +109,7 @@ def write_interval(out, first, n, branch, lower, upper):
         out[i, 2] = out[i - 1, 2]
         i -= 1
     out[i, 1] = lower - shift
-    out[i, 2] = upper - shift
+    out[i, 2] = max(upper, lower) - shift
     out[n, 0] = branch
     return n + 1
 
