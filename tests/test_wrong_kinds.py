@@ -278,3 +278,11 @@ def test_messages_show_the_numbers_of_numpy_as_those_of_python(arm, pose):
             call()
         assert said in str(caught.value)
         assert not re.search(r"np\.(float|int|str|bool)", str(caught.value))
+
+
+@pytest.mark.parametrize("flag", [True, False, np.True_])
+def test_a_flag_is_no_number(arm, pose, flag):
+    with pytest.raises(srs_ik.InvalidConfiguration, match="arm angle must be a finite number of radians"):
+        arm.solve(pose, arm_angle=flag)
+    with pytest.raises(srs_ik.SrsIkError):
+        srs_ik.FreeAxis([0.0, 0.0, 1.0], cone=flag)

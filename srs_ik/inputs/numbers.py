@@ -69,8 +69,8 @@ def real_number(value: Any) -> float:
     """A number as a float; NaN for what is none."""
     if isinstance(value, float):
         return float(value)
-    # NumPy drops an imaginary part with no more than a warning, and float() reads text.
-    if isinstance(value, str | bytes | bytearray):
+    # NumPy drops an imaginary part with no more than a warning, and float() reads text, and flags as 0 and 1.
+    if isinstance(value, str | bytes | bytearray | bool | np.bool_):
         return math.nan
     try:
         return math.nan if np.iscomplexobj(value) else float(value)
@@ -122,7 +122,7 @@ def as_flag(value: Any, what: str, error: type[SrsIkError] = InvalidConfiguratio
 
 def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = InvalidConfiguration) -> float:
     """A finite number above zero; raises the error, in which `what` names it, for anything else, True among it."""
-    number = math.nan if isinstance(value, bool | np.bool_) else real_number(value)
+    number = real_number(value)
     if not 0.0 < number < math.inf:
         raise error(f"{what} must be a positive number of {unit}, not {quoted(value)}")
     return number

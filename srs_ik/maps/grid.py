@@ -124,7 +124,7 @@ def reach_of(arm: Arm) -> float:
 
 def checked_step(step: float, what: str = "the step of a map") -> float:
     """A distance between positions, m; raises InvalidMap for what is none."""
-    metres = math.nan if isinstance(step, bool) else real_number(step)
+    metres = real_number(step)
     if not 1e-4 <= metres <= 1e3:
         raise InvalidMap(f"{what} is a length from 0.0001 to 1000 m, not {quoted(step)}")
     return metres
