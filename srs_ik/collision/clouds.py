@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 
 from srs_ik.collision.forms import Form
 from srs_ik.collision.parts import Part, apart, transform
+from srs_ik.collision.real_world import SHORTEST
 from srs_ik.kernels.layout import collision as at
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from srs_ik.collision.real_world import RealWorld
     from srs_ik.collision.tables import Tables
-
-SHORTEST = 1e-3
-"""Shortest half of a stretch that is looked at, as a part of the line."""
 
 Near = tuple[str, str, float]
 """A body of the arm, a cloud, and how near they are, m."""

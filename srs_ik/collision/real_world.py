@@ -212,7 +212,7 @@ class RealWorld:
             if upper - lower > 1.0:
                 # The middle of several lines need not be on them; a stretch ends where a line does.
                 middle = float(round(middle))
-            elif distance <= margin or upper - lower < 2.0 * _SHORTEST:
+            elif distance <= margin or upper - lower < 2.0 * SHORTEST:
                 return middle, self.names[a], self.names[b], distance
             waiting += [(middle, upper), (lower, middle)]
         return 0.0, "", "", math.inf
@@ -273,7 +273,7 @@ class RealWorld:
         )
 
 
-_SHORTEST = 1e-3
+SHORTEST = 1e-3
 """Shortest half of a stretch that is looked at, as a part of the line."""
 
 
