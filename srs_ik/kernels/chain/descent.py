@@ -139,14 +139,6 @@ def closest_way(J, way, lost, A):
 
 
 @kernel
-def put_twist(linear, angular, A):
-    """Write a twist into column 6 of A."""
-    for i in range(3):
-        A[i, 6] = linear[i]
-        A[i + 3, 6] = angular[i]
-
-
-@kernel
 def hold(J, blocked):
     """Joints in the bit set `blocked` move the tip no more."""
     for i in range(6 if blocked != 0 else 0):
@@ -199,7 +191,7 @@ def close_fully(P, q, target, respect, J, A):
         if error < newton.ROUNDING or error > most:
             break
         hold(J, blocked)
-        put_twist(linear, angular, A)
+        newton.put_twist(linear, angular, A)
         step = closest_way(J, NO_SEED, LOST[1], A)
         if largest(step) > newton.MAX_STEP:
             break

@@ -299,12 +299,18 @@ def load_square(J, blocked, damping, A):
 
 
 @kernel
-def shortest_step(J, linear, angular, blocked, damping, A):
-    """Write into column 7 of A the shortest joint step for a twist, joints in the bit set `blocked` held still."""
-    load_square(J, blocked, damping, A)
+def put_twist(linear, angular, A):
+    """Write a twist into column 6 of A."""
     for i in range(3):
         A[i, 6] = linear[i]
         A[i + 3, 6] = angular[i]
+
+
+@kernel
+def shortest_step(J, linear, angular, blocked, damping, A):
+    """Write into column 7 of A the shortest joint step for a twist, joints in the bit set `blocked` held still."""
+    load_square(J, blocked, damping, A)
+    put_twist(linear, angular, A)
     solve_definite(A, damping + 1e-16)
     y0, y1, y2, y3, y4, y5 = A[0, 6], A[1, 6], A[2, 6], A[3, 6], A[4, 6], A[5, 6]
     for j in range(7):

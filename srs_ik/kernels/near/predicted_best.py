@@ -78,13 +78,11 @@ def expected_cost(P, view, branch):
 
 
 @kernel
-def closed_best(P, target, best):
+def closed_best(P, target, best, A):
     """A posture that was looked at, closed, with its cost."""
     R, p, place_ = target
     psi = arm_angle(P, best.q, place_[0], place_[1])
-    A = np.empty((16, 9))
     q, met = close_at_angle(P, best.q, R, p, place_[0], place_[1], psi, STEPS, A)
-    keep(A)
     q = turned(P, q, False, NO_SEED, True)
     return Best(q, cost(P, q, False, NO_SEED, True) if met else NO_BRANCH)
 
@@ -126,7 +124,7 @@ def predicted_best(P, target, branch, J, A):
     keep(boxes)
     if not (certain and best.cost < most):
         return best, False
-    best = closed_best(P, target, best)
+    best = closed_best(P, target, best, A)
     return best, best.cost < 0.0
 
 
@@ -157,7 +155,7 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
         copy_interval(found, i, one, 0)
         best, certain = best_within(P, view, one, Best(NO_SEED, NO_BRANCH))
         if certain and best.cost < 0.0:
-            best = closed_best(P, target, best)
+            best = closed_best(P, target, best, A)
         if not certain or best.cost >= 0.0:
             return -1
         measure_row(P, target, best.q, int(found[i, 0]), best.cost, respect, row(out, i))
