@@ -230,6 +230,25 @@ def ends_of(asked, eased, lower, upper, before, behind):
 
 
 @kernel
+def take_met(asked, eased, rows):
+    """Move to the front those intervals of a branch that are wide, or of which an arm angle is met; their number.
+
+    Eased limits alone may tell of a narrow one, at a bend at which no other has it.
+    """
+    n = 0
+    for i in range(rows.shape[0]):
+        lower, upper = rows[i, 1], rows[i, 2]
+        kept = upper - lower > NARROW
+        for j in range(3):
+            psi = lower + 0.5 * j * (upper - lower)
+            kept = kept or is_met(asked, psi) or is_met(eased, psi)
+        if kept:
+            rows[n, 1], rows[n, 2] = lower, upper
+            n += 1
+    return n
+
+
+@kernel
 def stretch(limbs, place_, span, rows, out):
     """Take the ends of sorted intervals of all branches as far as any bend allows; write them to out; their number.
 
@@ -243,10 +262,10 @@ def stretch(limbs, place_, span, rows, out):
             last += 1
         asked = (limbs[0], place_, branch, span, bends)
         eased = (limbs[1], place_, branch, span, bends)
-        begin = count
-        for i in range(first, last + 1):
-            before = rows[i - 1, 2] if i > first else rows[last, 2] - TURN
-            behind = rows[i + 1, 1] if i < last else rows[first, 1] + TURN
+        begin, last_met = count, first + take_met(asked, eased, rows[first : last + 1]) - 1
+        for i in range(first, last_met + 1):
+            before = rows[i - 1, 2] if i > first else rows[last_met, 2] - TURN
+            behind = rows[i + 1, 1] if i < last_met else rows[first, 1] + TURN
             lower, upper = ends_of(asked, eased, rows[i, 1], rows[i, 2], before, behind)
             count = write_interval(out, begin, count, branch, lower, upper)
         count = join_touching(out, begin, count)
