@@ -54,15 +54,13 @@ NUMBA = {
     "test_curves",
     "test_kernels_algebra",
     "test_kernels_bounded",
-    "test_kernels_disk",
     "test_kernels_eight",
-    "test_kernels_jit",
     "test_kernels_newton",
     "test_kernels_noise",
     "test_kernels_trend",
     "test_lanes",
 }
-"""Modules that have Numba compile kernels one by one, or look at how it does."""
+"""Modules that have Numba compile kernels one by one."""
 
 _REAL = {*REAL, *arms.REAL}
 
@@ -83,8 +81,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         met.add(test)
         if item.path.stem in NUMBA:
             item.add_marker(pytest.mark.numba)
-        if jit.AHEAD and item.get_closest_marker("numba"):
-            item.add_marker(pytest.mark.skip(reason="kernels are compiled ahead: SRS_IK_JIT=1 pytest -m numba"))
+        if not jit.BY_NUMBA and item.get_closest_marker("numba"):
+            item.add_marker(pytest.mark.skip(reason="kernels are compiled ahead: SRS_IK_JIT=inner pytest -m numba"))
+        if jit.AHEAD and item.get_closest_marker("jit"):
+            item.add_marker(pytest.mark.skip(reason="entries are compiled ahead: SRS_IK_JIT=1 pytest -m jit"))
 
 
 @pytest.fixture(autouse=True)

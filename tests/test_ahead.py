@@ -91,7 +91,7 @@ def numba_kind(kind) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.numba
+@pytest.mark.jit
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_what_numba_compiles_for_every_question_is_in_the_table(robot):
     """Numba sees the arguments of each call; the table has to name them all, and the results."""
@@ -210,7 +210,7 @@ def same(found: dict[str, np.ndarray], expected: dict[str, np.ndarray]) -> None:
         np.testing.assert_allclose(found[name], value, rtol=1e-8, atol=1e-8, err_msg=name)
 
 
-@pytest.mark.numba
+@pytest.mark.jit
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_compiled_ahead_and_compiled_by_numba_give_the_same_answers(installed, robot):
     here: dict = {}

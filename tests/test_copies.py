@@ -70,7 +70,7 @@ def test_arrays_of_a_copy_take_no_changes(how):
     assert {name for name, _ in arrays_of(other)} >= {"lower", "upper", "velocity_limit", "effort_limit", "axes"}
 
 
-@pytest.mark.numba
+@pytest.mark.jit
 def test_nothing_is_compiled_for_copies():
     arm = srs_ik.load("iiwa14")
     moved = arm.with_tool(np.eye(4))

@@ -77,6 +77,7 @@ def run(small: Path, program: str = PROGRAM, **environment: str) -> tuple[str, s
             "PYTHONDONTWRITEBYTECODE": "1",
             "HOME": str(small / "home"),
             "TMPDIR": str(small / "temporary"),
+            "SRS_IK_JIT": "1",
             **environment,
         },
     )

@@ -44,7 +44,7 @@ print(double(2), double(2.5))
 """
 
 
-@pytest.mark.numba
+@pytest.mark.jit
 def test_a_terminal_gets_one_line():
     _, said = in_terminal([sys.executable, "-c", COMPILE_TWICE])
     assert said.count("\n") == 1

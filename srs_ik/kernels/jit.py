@@ -2,7 +2,8 @@
 
 Where the entries were compiled when the package was built (see `native`), an entry is its compiled form, the kernels
 behind it are never called, and Numba need not be there. Else, where a source has changed since, or with SRS_IK_JIT=1,
-Numba compiles what is called. With NUMBA_DISABLE_JIT=1 a function stays as it is, for a debugger.
+Numba compiles what is called; with SRS_IK_JIT=inner, only the kernels that tests call themselves. With
+NUMBA_DISABLE_JIT=1 a function stays as it is, for a debugger.
 
 Of what Numba compiles, only entry points are cached on disk (see `disk`); their machine code contains all that they
 call, so the cache is keyed by a digest of the entry's file and of every kernel file that it imports, however
@@ -22,7 +23,7 @@ from srs_ik.kernels import native, sources
 AHEAD = native.all_compiled()
 """Whether all entries were compiled when the package was built, from these sources."""
 
-BY_NUMBA = not AHEAD and not native.asked_for("NUMBA_DISABLE_JIT")
+BY_NUMBA = (not AHEAD or native.asked_for_inner()) and not native.asked_for("NUMBA_DISABLE_JIT")
 """Whether Numba compiles what is called."""
 
 if BY_NUMBA:

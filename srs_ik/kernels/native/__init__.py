@@ -38,6 +38,11 @@ def asked_for(variable: str) -> bool:
     return os.environ.get(variable, "0") not in ("", "0")
 
 
+def asked_for_inner() -> bool:
+    """Whether Numba compiles inner kernels for those who call them, beside entries that were compiled before."""
+    return os.environ.get("SRS_IK_JIT") == "inner"
+
+
 def extension() -> Any:
     """The extension with the compiled entries; None where there is none, it cannot run here, or Numba is asked for."""
     return _found()[0]
@@ -50,7 +55,7 @@ def refused() -> str:
 
 @cache
 def _found() -> tuple[Any, str]:
-    if asked_for("SRS_IK_JIT") or asked_for("NUMBA_DISABLE_JIT"):
+    if (asked_for("SRS_IK_JIT") and not asked_for_inner()) or asked_for("NUMBA_DISABLE_JIT"):
         return None, ""
     try:
         found = import_module(f"{__name__}.entries")
