@@ -10,6 +10,7 @@ from command_line import answer, run
 from scene_sets import KINDS, file_of_scene, geometry_of, made, scene_of
 
 import srs_ik
+from srs_ik.solve.in_scene.surroundings import Surroundings
 
 BETWEEN = 6
 """Postures that are looked at between two poses, beside those of the poses."""
@@ -237,6 +238,32 @@ def test_real_shapes_go_where_spheres_do_not(arm):
     looked, hits = lines_that_collide(path, truth)
     assert hits == 0
     assert looked > 0 or path.breaks
+
+
+def test_where_spheres_leave_nothing_a_path_goes_by_real_shapes(arm):
+    # A ball beside the hand: at each pose the spheres always meet it, and the shapes leave a wide interval.
+    places = [[0.5, 0.1 + 0.01 * k, 0.6] for k in range(5)]
+    poses = srs_ik.pose_from_xyz_rpy(places, [[0.0, 1.5707963, 0.0]] * 5)
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball", [0.6, 0.3, 0.7], 0.1)
+    assert not any(len(Surroundings(arm, arm.packed, scene, 0.0).all_free(T, True)) for T in poses)
+    path = arm.solve_path(poses, scene=scene)
+    assert path
+    assert not arm.path_collisions(path.q, scene)
+    far = poses.copy()
+    far[2, 0, 3] = 5.0
+    broken = arm.solve_path(far, scene=scene)
+    assert [each.sample for each in broken.breaks] == [2]
+
+
+def test_a_path_with_a_free_roll_goes_by_real_shapes_too(arm):
+    # The ball is straight ahead of the hand, whatever its roll.
+    poses = srs_ik.pose_from_xyz_rpy([[0.5, 0.1 + 0.01 * k, 0.6] for k in range(3)], [[0.0, 1.5707963, 0.0]] * 3)
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball", [0.66, 0.11, 0.6], 0.1)
+    path = arm.solve_path(poses, free_axis=[0.0, 0.0, 1.0], scene=scene)
+    assert path
+    assert not arm.path_collisions(path.q, scene)
 
 
 def test_the_command(arm, tmp_path):

@@ -8,6 +8,7 @@ planned in their free intervals and certified.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -48,4 +49,5 @@ def keep_clear(
         rows[i] = freedom.solve(around, problem.T[i], free, rows[i - 1, :7] if i else start, True)._row
     if (rows[~best.ok, ROW_STATUS] == Status.OK).any():
         rows[:, :7] = unwound(problem, rows)
-    return with_breaks(problem, rows)
+    # Which bodies count, spheres or real shapes, is as for the path.
+    return with_breaks(problem if best._problem is None else replace(problem, around=best._problem.around), rows)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +25,6 @@ from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
 from srs_ik.system.arrays import Array
-
-if TYPE_CHECKING:
-    from srs_ik.solve.in_scene.surroundings import Surroundings
 
 ROOM = 1e-3
 """What is asked for beyond the margin at each pose, m: right on the margin nothing can be certified."""
@@ -51,7 +47,7 @@ def keep_clear(
     assert around is not None
     _refuse_hits(problem)
     alone = if_clear(problem, plan_alone())
-    return _through_free(problem, around, find) if alone is None else alone
+    return _through_free(problem, find) if alone is None else alone
 
 
 def if_clear(problem: Problem, alone: PathSolution) -> PathSolution | None:
@@ -65,14 +61,32 @@ def if_clear(problem: Problem, alone: PathSolution) -> PathSolution | None:
     return found if found and (len(found) > 1 or around.is_clear(found.q[0])) else None
 
 
-def _through_free(problem: Problem, around: Surroundings, find: Callable[[Problem], Way]) -> PathSolution:
-    """A path through free intervals whose lines are certified, planned again with more room where they are not."""
+def _through_free(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
+    """A path through free intervals whose lines are certified, by real shapes where the spheres leave too little.
+
+    At poses where they leave nothing, they could be told no more than postures one by one, which do not go on from
+    each other.
+    """
+    around, room = problem.around, _Room(problem)
+    assert around is not None
+    paths = []
+    if not around.is_exact and any(len(around.by_shapes(problem.T[i], True)[0]) for i in room.shut):
+        exact = replace(problem, around=around.with_shapes())
+        paths = [_planned(exact, _Room(exact), find)]
+    if not any(paths):
+        paths.append(_planned(problem, room, find))
+    return min(paths, key=lambda path: len(path.breaks))
+
+
+def _planned(problem: Problem, room: _Room, find: Callable[[Problem], Way]) -> PathSolution:
+    """A path through free intervals, planned again with more room where its lines are not certified."""
+    around = problem.around
+    assert around is not None
     tight = around.tight[True]
     arm = problem.arm
     if tight is not None and around.jammed is None:
         # So that no line between two postures leaves the ranges of joints that keep bodies apart.
         arm = replace(arm, family=tight.family, lower=tight.lower, upper=tight.upper)
-    room = _Room(problem)
     curves = None if arm.closed else curves_of(replace(problem, arm=arm))
     best = None
     for _ in range(ROUNDS):
@@ -117,6 +131,11 @@ class _Room:
         self._problem = problem
         self._asked = np.full(len(problem.T), ROOM)
         self.free = [self._intervals(i) for i in range(len(problem.T))]
+
+    @property
+    def shut(self) -> list[int]:
+        """Poses without any."""
+        return [i for i, free in enumerate(self.free) if not len(free)]
 
     def _intervals(self, i: int) -> Array:
         """Those of one pose, with less room where there is not as much."""

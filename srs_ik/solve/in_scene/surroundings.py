@@ -51,17 +51,19 @@ class Surroundings:
         tables: what kernels know of the bodies.
         tight: limits that keep apart bodies which the range of a joint watches, without and with those of the arm.
         jammed: the pair that no range of a joint keeps apart, if there is one.
+        is_exact: whether real shapes count.
 
     Raises:
         InvalidScene: no `Scene`, or no margin.
         NoBodies: no shapes of the arm are at hand.
     """
 
-    def __init__(self, arm: BodyOwner, packed: PackedArm, scene: Scene, margin: Any) -> None:
+    def __init__(self, arm: BodyOwner, packed: PackedArm, scene: Scene, margin: Any, by_shapes: bool = False) -> None:
         check_scene(scene)
         self.arm = arm
         self.packed = packed
         self.scene = scene
+        self.is_exact = by_shapes or scene.exact
         self.asked_margin = as_margin(margin)
         self.margin = scene.margin + self.asked_margin
         self.tables: Tables = arm.tables(scene)
@@ -69,7 +71,11 @@ class Surroundings:
         self.tight, self.jammed = self._cut_limits(tightened, self.margin)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Surroundings, (self.arm, self.packed, self.scene, self.asked_margin)
+        return Surroundings, (self.arm, self.packed, self.scene, self.asked_margin, self.is_exact)
+
+    def with_shapes(self) -> Surroundings:
+        """The same where real shapes count, whatever the scene says."""
+        return Surroundings(self.arm, self.packed, self.scene, self.asked_margin, True)
 
     # Intervals ----------------------------------------------------------------------------------------------------
 
@@ -204,14 +210,9 @@ class Surroundings:
         return out[:count]
 
     @property
-    def is_exact(self) -> bool:
-        """Whether real shapes count."""
-        return self.scene.exact
-
-    @property
     def in_closed_form(self) -> bool:
         """Whether the spheres of an exact limb count."""
-        return self.packed.closed and not self.scene.exact
+        return self.packed.closed and not self.is_exact
 
     def _intervals(self, family: Array, T: Array, respect: bool) -> Array:
         found = np.empty((MOST_INTERVALS, 3))
