@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from srs_ik import InvalidConfiguration, InvalidPose, Scene, SrsIkError, Status
+from srs_ik import InvalidConfiguration, InvalidPose, Scene, SrsIkError, Status, Task
 from srs_ik.kernels.layout.limb import LIMITED, STRAIGHT
 from srs_ik.solve import threads as in_threads
 from srs_ik.solve.threads import interruptible, processors, run_in_threads, watched
@@ -237,6 +237,22 @@ def test_batches_index_into_solutions():
     assert repr(batch) == f"BatchSolution({batch.solved} of 160 solved)"
     assert batch[0].status.tolist() == [int(batch[0, k].status) for k in range(8)]
     assert set(batch.status.ravel().tolist()) <= {int(s) for s in Status}
+
+
+def test_an_index_beyond_poses_and_branches_picks_no_columns():
+    arm = arms.load("iiwa14")
+    _, poses = poses_of("iiwa14", 20)
+    alone, every = arm.solve_batch(poses), arm.solve_batch(poses, 0.1, all_branches=True)
+    tasks = arm.solve_task(Task(poses[:, :3, 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]))
+    for answers in (alone, tasks, tasks.posture):
+        for wrong in ((slice(None), 3), (0, 3), (..., 0, 3)):
+            with pytest.raises(IndexError, match="too many indices"):
+                answers[wrong]
+    with pytest.raises(IndexError, match="too many indices"):
+        every[:, :, 3]
+    assert_same(alone[..., 3], alone[3])
+    assert_same(every[..., 3], every[:, 3])
+    assert_same(every[2, ..., 3], every[2, 3])
 
 
 def test_what_chooses_nothing_beside_all_branches_is_told():

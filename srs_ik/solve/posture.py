@@ -12,7 +12,7 @@ from srs_ik.kernels.entries import task as entries
 from srs_ik.kernels.layout import task as at
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.threads import checked_threads, run_in_threads
-from srs_ik.system.arrays import Array
+from srs_ik.system.arrays import Array, rows_at
 
 Side = Literal["left", "right"]
 Tie = Literal["lower", "upper"]
@@ -127,7 +127,7 @@ class Posture:
         """The posture of one task of many."""
         if self._rows.ndim == 1:
             raise TypeError("the posture of one task cannot be indexed")
-        return Posture(self._rows[index], self._shoulder, self.side)
+        return Posture(rows_at(self._rows, index), self._shoulder, self.side)
 
     def __repr__(self) -> str:
         return f"Posture({self.side}, {self.message})"

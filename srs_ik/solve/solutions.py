@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.layout import answer as at
 from srs_ik.solve.solution import Collision, ElbowRange, Solution, Status
-from srs_ik.system.arrays import Array
+from srs_ik.system.arrays import Array, rows_at
 
 SHOWN = 5
 """Messages that are printed of either end of many."""
@@ -152,11 +152,12 @@ class BatchSolution(_Rows):
         """The sentences for a person: ``message[i]``, ``message[:3]``, or ``message(i)``."""
         return Messages(self)
 
-    def __getitem__(self, index: int | tuple[int, ...]) -> Any:
-        row = self._rows[index]
+    def __getitem__(self, index: Any) -> Any:
+        row = rows_at(self._rows, index)
         if row.ndim > 1:
             return BatchSolution(row, self._joint_names, self._elbow, self._collisions_of(index))
-        place = tuple(range(n)[i] for n, i in zip(self._rows.shape, np.atleast_1d(index).tolist(), strict=False))
+        numbers = [i for i in index if i is not Ellipsis] if isinstance(index, tuple) else [index]
+        place = tuple(range(n)[int(i)] for n, i in zip(self._rows.shape, numbers, strict=False))
         return Solution(row, self._joint_names, self._elbow, self.collisions.get(place))
 
     def _collisions_of(self, index: Any) -> dict[tuple[int, ...], Collision]:

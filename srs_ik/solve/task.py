@@ -18,7 +18,7 @@ from srs_ik.solve.posture import Posture, Side, Tie, signs
 from srs_ik.solve.solution import ElbowRange, Solution, Status
 from srs_ik.solve.solutions import BatchSolution
 from srs_ik.solve.threads import checked_threads, run_in_threads
-from srs_ik.system.arrays import Array
+from srs_ik.system.arrays import Array, rows_at
 
 _POSTURE = slice(at.TASK_POSTURE, at.TASK_ROTATION)
 
@@ -92,7 +92,7 @@ class BatchTaskSolution(BatchSolution):
         return self._rows[:, at.ANGLE_LOST]
 
     def __getitem__(self, index: Any) -> Any:
-        row = self._rows[index]
+        row = rows_at(self._rows, index)
         kind = TaskSolution if row.ndim == 1 else BatchTaskSolution
         part = kind(row, self._joint_names, self._elbow, self._shoulder, self._side)
         if isinstance(part, TaskSolution):

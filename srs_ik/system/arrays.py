@@ -1,4 +1,4 @@
-"""The type of what is computed with, tuples of it, and how JSON has it."""
+"""The type of what is computed with, tuples of it, rows of it, and how JSON has it."""
 
 from typing import Any, TypeVar
 
@@ -16,6 +16,15 @@ def equal_to_itself(own: OfArrays) -> OfArrays:
     for name in ("__eq__", "__ne__", "__hash__"):
         setattr(own, name, getattr(object, name))
     return own
+
+
+def rows_at(rows: Array, index: Any) -> Array:
+    """Those of some rows (..., columns) that an index of rows names; raises IndexError for one that names columns."""
+    if not isinstance(index, tuple):
+        return rows[index]
+    np.broadcast_to(0, rows.shape[:-1])[index]
+    found: Array = rows[(*index, slice(None))]
+    return found
 
 
 def plain(value: Any) -> Any:
