@@ -286,3 +286,42 @@ def test_a_flag_is_no_number(arm, pose, flag):
         arm.solve(pose, arm_angle=flag)
     with pytest.raises(srs_ik.SrsIkError):
         srs_ik.FreeAxis([0.0, 0.0, 1.0], cone=flag)
+
+
+def test_flags_are_no_array_of_numbers(arm, pose):
+    for call in (
+        lambda: arm.solve(pose, seed=np.ones(7, bool)),
+        lambda: arm.solve(pose, arm_angle=np.array(True)),
+        lambda: arm.solve(pose, elbow=[True, False, True]),
+        lambda: arm.solve(pose, free_axis=[False, False, True]),
+        lambda: arm.solve(np.eye(4, dtype=bool)),
+        lambda: arm.forward_kinematics([True] * 7),
+        lambda: arm.forward_kinematics_batch(np.ones((3, 7), bool)),
+        lambda: arm.tracker(Q, 0.01, velocity=True),
+        lambda: arm.tracker(Q, 0.01, acceleration=[True] * 7),
+        lambda: arm.solve_path([pose], objective="time", acceleration_limit=True),
+        lambda: srs_ik.Task([True, False, True], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+        lambda: srs_ik.Scene().add_box("crate", np.eye(4), [True, True, True]),
+    ):
+        with pytest.raises(srs_ik.SrsIkError) as caught:
+            call()
+        assert "\n" not in str(caught.value)
+    with pytest.raises(srs_ik.InvalidConfiguration, match="q must be 7 joint angles, not flags, True and False"):
+        arm.forward_kinematics(np.ones(7, bool))
+
+
+def test_buffers_are_arrays(arm):
+    q = np.tile(Q, (3, 1))
+    poses = arm.forward_kinematics_batch(memoryview(q))
+    assert (poses == arm.forward_kinematics_batch(q)).all()
+    assert (arm.solve_batch(memoryview(poses)).q == arm.solve_batch(poses).q).all()
+
+
+def test_what_fails_as_it_is_read_is_refused(arm):
+    def broken():
+        yield Q
+        raise RuntimeError("no more")
+
+    for call in (arm.forward_kinematics_batch, arm.jacobian_batch, arm.solve_batch):
+        with pytest.raises(srs_ik.SrsIkError, match=" not generator"):
+            call(broken())

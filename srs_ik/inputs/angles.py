@@ -86,8 +86,9 @@ def as_joint_vectors(q: Any) -> Array:
         InvalidConfiguration: not N x 7, not numbers, not finite, or beyond `LARGEST_ANGLE`.
     """
     try:
-        array = q if is_plain(q) else real_array(q if isinstance(q, np.ndarray | str | Mapping) else list(q))
-    except (TypeError, ValueError):
+        whole = isinstance(q, np.ndarray | memoryview | str | Mapping)
+        array = q if is_plain(q) else real_array(q if whole else list(q))
+    except Exception:  # of the object's own making
         raise _no_angles("q must be N times 7 joint angles", q) from None
     if array.shape == (0,):
         return np.empty((0, 7))

@@ -1,4 +1,4 @@
-"""Numbers and flags as callers give them: complex ones, text and integers beyond floats are no numbers."""
+"""Numbers and flags as callers give them: flags, complex ones, text and integers beyond floats are no numbers."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from srs_ik.errors import InvalidConfiguration, SrsIkError, quoted
 from srs_ik.system.arrays import Array
 
-_REAL = "biufO"
-"""Kinds of arrays that hold numbers, or objects that may be some; text and records would be read as figures."""
+_REAL = "iufO"
+"""Kinds of arrays that hold numbers, or objects that may be some; masks, text and records would be read as figures."""
 
 FLOAT = np.dtype(np.float64)
 
@@ -29,7 +29,7 @@ def real_array(values: Any) -> Array:
     """A new C-ordered array of floats; what a masked array hides is NaN.
 
     Raises:
-        TypeError: not numbers, or complex ones, whose imaginary part NumPy would drop.
+        TypeError: not numbers, but flags, say, or complex ones, whose imaginary part NumPy would drop.
         ValueError: lists of different lengths, or integers that no float can hold.
     """
     try:
@@ -73,21 +73,22 @@ def real_number(value: Any) -> float:
     if isinstance(value, str | bytes | bytearray | bool | np.bool_):
         return math.nan
     try:
-        return math.nan if np.iscomplexobj(value) else float(value)
+        is_flag = isinstance(value, np.ndarray) and value.dtype == np.bool_
+        return math.nan if is_flag or np.iscomplexobj(value) else float(value)
     except Exception:  # of the object's own making
         return math.nan
 
 
 def what_is(values: Any) -> str:
     """What was given in place of numbers or of an array of another shape, for the end of a message."""
-    if values is None or isinstance(values, str | bytes):
+    if values is None or isinstance(values, str | bytes | bool):
         return quoted(values)
     try:
         raw = np.asarray(values)
     except Exception:  # of the object's own making
         return "lists of different lengths" if isinstance(values, list | tuple) else type(values).__name__
     if raw.dtype.kind not in _REAL:
-        kinds = {"c": "complex numbers", "U": "text", "S": "text"}
+        kinds = {"c": "complex numbers", "U": "text", "S": "text", "b": "flags, True and False"}
         return kinds.get(raw.dtype.kind, f"an array of {raw.dtype}")
     if raw.dtype == object:
         odd = [each for each in raw.flat if math.isnan(real_number(each))]

@@ -92,7 +92,7 @@ def as_matrices(poses: Any) -> Array:
     Raises:
         InvalidPose: not N x 4 x 4, or not numbers.
     """
-    if not isinstance(poses, np.ndarray) and not isinstance(poses, pin.SE3):
+    if not isinstance(poses, np.ndarray | memoryview | pin.SE3):
         listed = getattr(poses, "poses", poses)
         try:
             if isinstance(listed, str | bytes | Mapping):
