@@ -18,6 +18,7 @@ from matplotlib.colors import to_rgb
 from srs_ik.errors import install_command
 from srs_ik.plots import solids
 from srs_ik.plots.figure import FORCE, VELOCITY
+from srs_ik.plots.intervals import bars
 
 ANGLES = np.array([float(q) for q in Q])
 
@@ -269,3 +270,39 @@ def test_a_pose_that_a_path_does_not_meet_is_no_point_of_the_path():
 def test_angular_ellipsoids_are_called_what_their_units_say():
     panels = srs_ik.plots.plot_ellipsoids(arms.load("iiwa14"), ANGLES, part="angular").axes
     assert [axes.get_title().split(" ellipsoid")[0] for axes in panels] == ["angular velocity", "moment"]
+
+
+def test_in_a_scene_the_pictures_show_the_arm_angles_that_hit_nothing(tmp_path):
+    arm, scene = arms.load("iiwa14"), srs_ik.Scene()
+    scene.add_sphere("ball", [0.2, 0.35, 0.6], 0.1)
+    pose = arm.forward_kinematics(ANGLES)
+    free = arm.intervals(pose, scene=scene, margin=0.01)
+    assert 0.1 < sum(each.width for each in free) < 0.95 * sum(each.width for each in arm.intervals(pose))
+    (axes,) = srs_ik.plots.plot_intervals(arm, pose, scene=scene, margin=0.01).axes
+    drawn = [[path.get_extents().x0 for path in each.get_paths()] for each in axes.collections[1::2]]
+    assert drawn == [pytest.approx([start for start, _ in pieces]) for pieces in bars(free)]
+    path = arm.solve_path([pose, pose], scene=scene, margin=0.01)
+    strips = srs_ik.plots.plot_path(arm, [pose, pose], path, scene=scene, margin=0.01)
+    width = sum(bar.get_height() for axes in strips.axes for bar in axes.patches)
+    assert width == pytest.approx(2.0 * np.degrees(sum(each.width for each in free)))
+    file = tmp_path / "scene.json"
+    file.write_text('{"margin": 0.01, "objects": [{"name": "ball", "sphere": 0.1, "xyz": [0.2, 0.35, 0.6]}]}')
+    words = "intervals", "iiwa14", "--q", *map(str, ANGLES), "--plot"
+    assert run(*words, str(tmp_path / "all.svg")).exit_code == 0
+    assert run(*words, str(tmp_path / "free.svg"), "--scene", str(file)).exit_code == 0
+    everything, clear = ((tmp_path / name).read_text() for name in ("all.svg", "free.svg"))
+    assert len(clear) != len(everything)
+
+
+def test_a_path_that_chose_its_turns_is_in_the_strips_of_its_picture():
+    arm = arms.load("iiwa14")
+    poses = [arm.forward_kinematics(np.add(ANGLES, 0.05 * k)).homogeneous for k in range(4)]
+    path = arm.solve_path(poses, free_axis=[0.0, 0.0, 1.0])
+    panels = srs_ik.plots.plot_path(arm, poses, path).axes
+    for k in range(4):
+        axes = next(axes for axes in panels if axes.get_title() == f"branch {path.branch[k]}")
+        angle = np.degrees(path.arm_angle[k])
+        bands = [
+            (bar.get_y(), bar.get_y() + bar.get_height()) for bar in axes.patches if bar.get_x() < k < bar.get_x() + 1.1
+        ]
+        assert any(low - 1e-6 <= angle <= high + 1e-6 for low, high in bands)

@@ -69,7 +69,7 @@ def intervals(
         from srs_ik.cli.picture import save
         from srs_ik.plots import plot_intervals
 
-        save(plot_intervals(arm, pose, respect_limits=not no_limits), plot)
+        save(plot_intervals(arm, pose, respect_limits=not no_limits, **around), plot)
 
 
 def _print_json(arm: Arm, pose: np.ndarray, found: list[Interval]) -> None:

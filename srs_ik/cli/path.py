@@ -12,7 +12,7 @@ import typer
 from srs_ik.cli import freedom
 from srs_ik.cli.chosen import Chosen, choosing
 from srs_ik.cli.options import AsJson, Seven, Source, WrongInput, fail, numbers, warn
-from srs_ik.cli.picture import check
+from srs_ik.cli.picture import check, save
 from srs_ik.cli.pose_file import check_out, is_output, read_poses, write_motion, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.scenes import Exact, Margin, Meshes, SceneFile, read, with_meshes
@@ -143,7 +143,7 @@ def path(
     every = None if period is None else _positive("--period", period)
     check_out(out, as_json, poses)
     T_base_tip, lines = read_poses(poses, unit, options.get("dt"))  # type: ignore[arg-type]
-    options.update(read(scene, margin, exact))
+    around = read(scene, margin, exact)
 
     from srs_ik.loading import load
 
@@ -155,7 +155,7 @@ def path(
     if start is not None:
         _check_start(arm, T_base_tip[0], options["known"][0], f"{poses}, line {lines[0]}")  # type: ignore[index]
     with at_work(f"a path through {len(T_base_tip)} poses"):
-        found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
+        found = arm.solve_path(T_base_tip, **options, **around)  # type: ignore[arg-type]
     if out is not None and found and every is None:
         write_path(out, arm, found, _times(found, options.get("dt")))
     elif out is not None and found and every is not None:
@@ -166,7 +166,7 @@ def path(
     if plot is not None:
         from srs_ik.plots import plot_path
 
-        plot_path(arm, T_base_tip, found).savefig(plot)
+        save(plot_path(arm, T_base_tip, found, **around), plot)
     if as_json:
         _print_json(arm, found, lines)
     elif not is_output(out):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
@@ -14,41 +14,48 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
+    from srs_ik.collision.scenes.scene import Scene
     from srs_ik.inputs.poses import PoseLike
     from srs_ik.solve.intervals import Interval
 
 BRANCHES = 8
 
 
-def plot_intervals(arm: Arm, pose: PoseLike, respect_limits: bool = True) -> Figure:
+def plot_intervals(
+    arm: Arm, pose: PoseLike, respect_limits: bool = True, *, scene: Scene | None = None, margin: float = 0.0
+) -> Figure:
     """Picture of the arm angles at which a pose can be met, for each branch.
 
     Args:
         arm: the arm.
         pose: wanted pose of the tip frame in the base frame.
         respect_limits: whether the joint limits count.
+        scene: what must not be touched, as for `Arm.intervals`.
+        margin: what is to be left between any two bodies, m; it goes with a scene.
 
     Returns:
         A `matplotlib.figure.Figure`; write it with its method `savefig`.
 
     Raises:
         InvalidPose: the pose is no finite rigid transform.
+        InvalidScene: no `Scene`, or no margin.
+        NoBodies: no shapes of the arm are at hand.
         MissingExtra: Matplotlib is not installed.
     """
     check_arm(arm)
     figure = new_figure(8.0, 3.6)
-    found = arm.intervals(pose, respect_limits)
+    asked: dict[str, Any] = {"respect_limits": respect_limits, "scene": scene, "margin": margin}
+    found = arm.intervals(pose, **asked)
     draw_intervals(figure.add_subplot(), found)
-    title = (
-        f"{arm.name}: arm angles at which {arm.tip} meets the pose" if found else none_meets(arm, pose, respect_limits)
-    )
+    free = "" if scene is None else " and hits nothing"
+    title = f"{arm.name}: arm angles at which {arm.tip} meets the pose{free}" if found else none_meets(arm, pose, asked)
     figure.axes[0].set_title(title, fontsize=None if found else "small")
     return figure
 
 
-def none_meets(arm: Arm, pose: PoseLike, respect_limits: bool = True, width: int = 90) -> str:
-    """The title over a pose that no posture meets: which arm, and why."""
-    answer = arm.solve(pose, respect_limits=respect_limits)
+def none_meets(arm: Arm, pose: PoseLike, asked: Mapping[str, Any] | None = None, width: int = 90) -> str:
+    """The title over a pose that no posture meets, as it was asked for: which arm, and why."""
+    answer = arm.solve(pose, **(asked or {}))
     return fill(f"{arm.name}: {answer.status}, {answer.message}", width)
 
 

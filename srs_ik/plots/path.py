@@ -13,23 +13,32 @@ from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import EMPTY, FORCE, JOINT, VELOCITY, new_figure
 from srs_ik.plots.intervals import BRANCHES
 from srs_ik.solve.path.solution import PathSolution
+from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
+    from srs_ik.collision.scenes.scene import Scene
 
 MOST_COLUMNS = 400
 """Poses that are drawn of a longer path."""
 
+TURNED = 1e-6
+"""A path that is farther from its pose than this, by a figure of the matrix, has taken a turn that was left free."""
 
-def plot_path(arm: Arm, poses: Any, path: PathSolution) -> Figure:
+
+def plot_path(arm: Arm, poses: Any, path: PathSolution, *, scene: Scene | None = None, margin: float = 0.0) -> Figure:
     """Picture of the strips of a path: over the poses, the feasible arm angles of each branch, and the chosen line.
+
+    Where poses leave a turn free, they are drawn with the turns that the path has chosen.
 
     Args:
         arm: the arm.
         poses: (N, 4, 4) array, or a list of poses.
         path: the answer of `Arm.solve_path` for them.
+        scene: what must not be touched, as for the path: arm angles are then those that hit nothing.
+        margin: what is to be left between any two bodies, m; it goes with a scene.
 
     Returns:
         A `matplotlib.figure.Figure`; write it with its method `savefig`.
@@ -37,6 +46,8 @@ def plot_path(arm: Arm, poses: Any, path: PathSolution) -> Figure:
     Raises:
         InvalidPose: a pose is no finite rigid transform, or there are more or fewer than the path has.
         InvalidConfiguration: the path is none.
+        InvalidScene: no `Scene`, or no margin.
+        NoBodies: no shapes of the arm are at hand.
         MissingExtra: Matplotlib is not installed.
     """
     check_arm(arm)
@@ -49,7 +60,7 @@ def plot_path(arm: Arm, poses: Any, path: PathSolution) -> Figure:
     grid = figure.subplots(BRANCHES // 2, 2, sharex=True, sharey=True)
     drawn = np.unique(np.linspace(0, len(T) - 1, min(len(T), MOST_COLUMNS)).astype(int))
     width = (drawn[-1] - drawn[0]) / max(len(drawn) - 1, 1) if len(drawn) > 1 else 1.0
-    found = arm.intervals_batch(T[drawn])
+    found = arm.intervals_batch(_as_taken(arm, T, path)[drawn], scene=scene, margin=margin)
     for branch, axes in enumerate(grid.T.flat):
         axes.set_facecolor(EMPTY)
         _draw_strips(axes, drawn, width, found, branch)
@@ -71,6 +82,13 @@ def plot_path(arm: Arm, poses: Any, path: PathSolution) -> Figure:
         count += f"; {missed} {'pose' if missed == 1 else 'poses'} not met: grey lines"
     figure.suptitle(f"{arm.name}: feasible arm angles along the path, and the path through them ({count})")
     return figure
+
+
+def _as_taken(arm: Arm, T: Array, path: PathSolution) -> Array:
+    """The poses (N, 4, 4) of a path, with the turns that it has chosen where they leave one free."""
+    taken = arm.forward_kinematics_batch(path.q)
+    turned = path.ok & (np.abs(taken - T).max(axis=(1, 2), initial=0.0) > TURNED)
+    return np.where(turned[:, None, None], taken, T)
 
 
 def _draw_strips(axes: Any, drawn: Any, width: float, found: Any, branch: int) -> None:
