@@ -217,3 +217,12 @@ def test_a_gap_is_the_only_break_whatever_else_is_asked_for(asked):
     path = arm.solve_path(poses, seed=q, **asked)
     assert [each.sample for each in path.breaks] == [3]
     assert path.value < 1.01 * whole.value
+
+
+@pytest.mark.filterwarnings("error")
+def test_times_that_no_velocity_can_keep_are_told_and_give_no_warning():
+    arm, _, poses = through(1, count=5)
+    for dt in (1e-12, 1e-320):
+        use = arm.solve_path(poses, dt=dt).velocity_use
+        assert (use > 1.0).all()
+        assert np.isfinite(use).all()

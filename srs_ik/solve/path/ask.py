@@ -61,6 +61,9 @@ CLOSING_ROOM = 0.0, 1e-6, 1e-4
 MOST_ACCELERATION = 1e9
 """rad/s^2; as for trackers."""
 
+LEAST_STEP = 1e-300
+"""What velocity limits leave a joint from pose to pose at the least, rad: shares of less are no floats."""
+
 ON_POSE = 1e-6
 """A posture that is given may miss its pose by so much, m and rad."""
 
@@ -297,7 +300,9 @@ def _index(named: Any, count: int) -> int:
 def _settings(arm: PackedArm, terms: Terms) -> Array:
     """(SETTINGS, 7) of the programme: longest joint steps by velocity and by continuity, turns of endless joints."""
     settings = np.zeros((SETTINGS, 7))
-    settings[BY_VELOCITY] = np.inf if terms.dt is None else arm.velocity_limit * as_positive(terms.dt, "dt", "seconds")
+    settings[BY_VELOCITY] = np.inf
+    if terms.dt is not None:
+        settings[BY_VELOCITY] = np.maximum(arm.velocity_limit * as_positive(terms.dt, "dt", "seconds"), LEAST_STEP)
     settings[BY_CONTINUITY] = as_positive(terms.longest_step, "longest_step", "radians")
     if terms.objective == TIME:
         missing = ~(np.isfinite(arm.velocity_limit) & (arm.velocity_limit > 0.0))
