@@ -99,6 +99,20 @@ def test_no_pose_one_pose_and_other_forms():
             one[wrong]
 
 
+def test_parts_of_a_batch_are_those_of_its_poses():
+    arm = arms.load("iiwa14")
+    _, poses = poses_of("iiwa14")
+    batch = arm.intervals_batch(poses)
+    odd = np.arange(len(poses)) % 2 == 1
+    for part in (slice(3, 40, 4), slice(None, None, -1), slice(5, 5), [7, 0, 7], odd):
+        assert_same(batch[part], arm.intervals_batch(poses[part]))
+    with pytest.raises(IndexError, match="there is no pose 120 of 120"):
+        batch[120]
+    for wrong in (0.5, "a", (0, 1)):
+        with pytest.raises(IndexError):
+            batch[wrong]
+
+
 def test_the_whole_circle_and_nothing():
     arm = arms.load("human_arm")
     far = np.eye(4)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,8 @@ class Interval(NamedTuple):
 class IntervalsBatch:
     """Feasible arm angles of N poses, those of pose i from `offsets[i]` to `offsets[i + 1]` - 1; `[i]` lists them.
 
+    A slice, a list of numbers or a mask picks poses.
+
     Attributes:
         branch: (M,) branch of each interval, 0 to 7.
         lower: (M,) first arm angle, in [-pi, pi), rad.
@@ -79,13 +81,32 @@ class IntervalsBatch:
     def __len__(self) -> int:
         return len(self.offsets) - 1
 
-    def __getitem__(self, index: int) -> list[Interval]:
-        pose = range(len(self))[operator.index(index)]
-        of_pose = slice(self.offsets[pose], self.offsets[pose + 1])
+    @overload
+    def __getitem__(self, index: int) -> list[Interval]: ...
+    @overload
+    def __getitem__(self, index: slice | Sequence[int] | NDArray[Any]) -> IntervalsBatch: ...
+    def __getitem__(self, index: int | slice | Sequence[int] | NDArray[Any]) -> list[Interval] | IntervalsBatch:
+        """Those of one pose, or of the poses of a slice, of a list of numbers or of a mask."""
+        try:
+            pose = operator.index(index)  # type: ignore[arg-type]
+        except TypeError:
+            return self._of(np.arange(len(self))[index].ravel())
+        count = len(self)
+        if not -count <= pose < count:
+            raise IndexError(f"there is no pose {pose} of {count}")
+        first = pose % count
+        of_pose = slice(self.offsets[first], self.offsets[first + 1])
         return listed(self.branch[of_pose], self.lower[of_pose], self.upper[of_pose])
 
+    def _of(self, poses: NDArray[np.int64]) -> IntervalsBatch:
+        """Those of some poses, by their numbers."""
+        counts = self.counts[poses]
+        offsets = np.append(0, np.cumsum(counts))
+        rows = np.arange(offsets[-1]) + np.repeat(self.offsets[poses] - offsets[:-1], counts)
+        return IntervalsBatch(self.branch[rows], self.lower[rows], self.upper[rows], offsets)
+
     def __iter__(self) -> Iterator[list[Interval]]:
-        return map(self.__getitem__, range(len(self)))
+        return (self[i] for i in range(len(self)))
 
     def __repr__(self) -> str:
         return f"IntervalsBatch({len(self.branch)} intervals of {len(self)} poses)"
