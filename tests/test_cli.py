@@ -360,3 +360,17 @@ def test_every_command_explains_itself():
         assert result.exit_code == 0
         assert command in result.stdout
     assert run().stdout == run("--help").stdout
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_quaternion_of_any_length_is_told_by_its_length():
+    for words, said in ((("0", "0", "0", "1e200"), "1e+200"), (("0", "0", "0", "0"), "0")):
+        result = run("solve", "iiwa14", "--xyz", "0.5", "0", "0.5", "--quat", *words)
+        assert result.stderr == f"srs-ik: --quat is a rotation only if its length is 1, not {said}\n"
+    with pytest.raises(srs_ik.InvalidPose, match=r"its length is 1, not 1e\+200"):
+        srs_ik.pose_from_xyz_quaternion([0, 0, 0], [0, 0, 1e200, 0], order="xyzw")
+
+
+def test_a_folder_is_no_scene(tmp_path):
+    result = run("solve", "iiwa14", *POSE, "--scene", str(tmp_path))
+    assert (result.exit_code, result.stderr) == (2, f"srs-ik: {tmp_path} is a directory, not a file\n")

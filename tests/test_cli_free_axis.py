@@ -69,6 +69,17 @@ def test_wrong_input_is_one_line(words, said):
     assert done.stderr.count("\n") == 1
 
 
+def test_a_position_alone_will_do_where_any_rotation_does():
+    position, free = ("--xyz", "0.5", "0.1", "0.6"), ("--free-axis", "0", "0", "1")
+    found = answer("solve", "iiwa14", *position, *free, "--cone", "180", "--degrees")
+    assert found["status"] == "OK"
+    tip = srs_ik.load("iiwa14").forward_kinematics(found["q"])
+    np.testing.assert_allclose(tip.translation, [0.5, 0.1, 0.6], atol=1e-9)
+    for words in (free, (*free, "--cone", "3"), ()):
+        refused = run("solve", "iiwa14", *position, *words)
+        assert (refused.exit_code, "a position alone is no pose" in refused.stderr) == (2, True)
+
+
 def test_a_free_roll_in_a_scene_is_that_of_python(tmp_path):
     file = tmp_path / "scene.json"
     arm = srs_ik.load("iiwa14")

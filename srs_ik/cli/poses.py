@@ -59,11 +59,12 @@ def warn_of_degrees(where: str, given: Sequence[float], remedy: str) -> None:
 
 
 def read_pose(
-    xyz: Three | None, rpy: Three | None, quat: Four | None, q: Seven | None, unit: float
+    xyz: Three | None, rpy: Three | None, quat: Four | None, q: Seven | None, unit: float, turned: bool = False
 ) -> tuple[np.ndarray | None, list[float]]:
     """The pose (4, 4) of the tip in the base frame that the options give, or 7 joint angles, rad, that reach it.
 
     Words of positions are in metres, those of angles in a unit; of pose and joint angles one is given, the other none.
+    A position alone will do where the tip may be `turned` as it likes.
 
     Raises:
         WrongInput: not exactly one pose is given, or its words are no finite numbers, or its quaternion no rotation.
@@ -71,10 +72,10 @@ def read_pose(
     if q and (xyz or rpy or quat):
         raise WrongInput("--q is a pose already and goes with none of --xyz, --rpy and --quat")
     configuration = angles("--q", q or (), unit)
-    return (None if q else _given_pose(xyz, rpy, quat, unit)), configuration
+    return (None if q else _given_pose(xyz, rpy, quat, unit, turned)), configuration
 
 
-def _given_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: float) -> np.ndarray:
+def _given_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: float, turned: bool) -> np.ndarray:
     if xyz is None and rpy is None and quat is None:
         raise WrongInput("give a pose: --xyz with --rpy or --quat, or --q")
     if rpy is not None and quat is not None:
@@ -91,11 +92,11 @@ def _given_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: f
         T_base_tip[:3, :3] = pin.rpy.rpyToMatrix(np.array(angles("--rpy", rpy, unit)))
     elif quat is not None:
         components = np.array(numbers("--quat", quat))
-        length = float(np.linalg.norm(components))
+        length = math.hypot(*components)
         if abs(length - 1.0) > QUATERNION_TOLERANCE:
             raise WrongInput(f"--quat is a rotation only if its length is 1, not {length:.6g}")
         T_base_tip[:3, :3] = pin.Quaternion(components / length).toRotationMatrix()
-    else:
+    elif not turned:
         given = "a position alone is no pose: give the orientation with --rpy R P Y or --quat X Y Z W"
         raise WrongInput(f"{given}; 'srs-ik solve' leaves it free with --free-axis 0 0 1 --cone 180 --degrees")
     return T_base_tip

@@ -107,7 +107,7 @@ def solve(
         check_out(out, as_json, file)
         poses, lines = read_poses(file, unit)
     else:
-        pose, configuration = read_pose(xyz, rpy, quat, q, unit)
+        pose, configuration = read_pose(xyz, rpy, quat, q, unit, free is not None and free.cone == math.pi)
 
     around = read(scene, margin, exact)
 

@@ -42,12 +42,14 @@ def pose_from_xyz_quaternion(xyz: ArrayLike, quaternion: ArrayLike, *, order: Or
     order = checked_order(order)
     count = _count_of(quaternion)
     position, q = _numbers(xyz, 3, "a position", count), _numbers(quaternion, 4, "a quaternion", count)
-    lengths = np.linalg.norm(q, axis=-1, keepdims=True)
+    # The square of 1e200 is no float.
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(q, axis=-1, keepdims=True)
     far = np.abs(lengths.ravel() - 1.0) > LENGTH_TOLERANCE
     if far.any():
         k = int(far.argmax())
         which = "a quaternion" if count is None else f"quaternion {k} of {count}"
-        raise InvalidPose(f"{which} is a rotation only if its length is 1, not {lengths.flat[k]:.6g}")
+        raise InvalidPose(f"{which} is a rotation only if its length is 1, not {math.hypot(*np.atleast_2d(q)[k]):.6g}")
     q = q[..., _TO_XYZW[order]] / lengths
     if count is None:
         return pin.SE3(pin.Quaternion(q), position)

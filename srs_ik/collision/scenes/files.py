@@ -63,7 +63,7 @@ def read_scene(file: str | Path) -> SceneFile:
     where = label_of(path)
     if isinstance(content, Mapping):
         _expect(content, ("objects", "margin", "exact"), where)
-    if not isinstance(content, Mapping) or not isinstance(content.get("objects"), Sequence):
+    if not isinstance(content, Mapping) or not isinstance(content.get("objects"), list):
         raise InvalidScene(f"{where} holds no scene: objects must be a list")
     if len(content["objects"]) > bounds.OBJECTS:
         raise InvalidScene(f"{where} has more than the {bounds.OBJECTS:,} objects that are read")

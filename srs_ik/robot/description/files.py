@@ -24,7 +24,7 @@ def read(path: Path, label: str) -> bytes:
     """Content of a file, cut off where it is too large; raises InvalidRobot where it cannot be read."""
     try:
         if path.is_dir():
-            raise InvalidRobot(f"{label} is a directory, not a URDF file", label)
+            raise InvalidRobot(f"{label} is a directory, not a file", label)
         if path.exists() and not path.is_file():
             raise InvalidRobot(f"{label} is not a regular file", label)
         with path.open("rb") as file:
