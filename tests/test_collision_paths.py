@@ -256,6 +256,23 @@ def test_where_spheres_leave_nothing_a_path_goes_by_real_shapes(arm):
     assert [each.sample for each in broken.breaks] == [2]
 
 
+def test_given_postures_are_refused_for_what_they_hit_by_the_real_shapes_alone(arm):
+    poses = srs_ik.pose_from_xyz_rpy([[0.5, 0.1 + 0.01 * k, 0.6] for k in range(3)], [[0.0, 1.5707963, 0.0]] * 3)
+    for exact in (False, True):
+        scene = srs_ik.Scene(exact=exact)
+        scene.add_sphere("ball", [0.6, 0.3, 0.7], 0.1)
+        clear, hits = arm.solve(poses[0], 1.0, scene=scene), arm.solve(poses[2], -0.2)
+        assert clear
+        assert arm.collision(hits.q, scene)
+        path = arm.solve_path(poses, known={0: clear.q}, scene=scene)
+        assert path
+        assert (path.q[0] == clear.q).all()
+        for still in (poses[:1], poses[[0, 0, 0]]):
+            assert arm.solve_path(still, scene=scene)
+        with pytest.raises(srs_ik.InvalidConfiguration, match="pose 2, iiwa_link_6 meets ball"):
+            arm.solve_path(poses, known={2: hits.q}, scene=scene)
+
+
 def test_a_path_with_a_free_roll_goes_by_real_shapes_too(arm):
     # The ball is straight ahead of the hand, whatever its roll.
     poses = srs_ik.pose_from_xyz_rpy([[0.5, 0.1 + 0.01 * k, 0.6] for k in range(3)], [[0.0, 1.5707963, 0.0]] * 3)

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.collision.reaches import TOUCH
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.kernels.layout.path import BY_CONTINUITY
@@ -46,8 +47,9 @@ def keep_clear(
     around = problem.around
     assert around is not None
     _refuse_hits(problem)
-    alone = if_clear(problem, plan_alone())
-    return _through_free(problem, find) if alone is None else alone
+    alone = plan_alone()
+    clear = if_clear(problem, alone)
+    return _through_free(problem, alone, find) if clear is None else clear
 
 
 def if_clear(problem: Problem, alone: PathSolution) -> PathSolution | None:
@@ -61,18 +63,22 @@ def if_clear(problem: Problem, alone: PathSolution) -> PathSolution | None:
     return found if found and (len(found) > 1 or around.is_clear(found.q[0])) else None
 
 
-def _through_free(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
+def _through_free(problem: Problem, alone: PathSolution, find: Callable[[Problem], Way]) -> PathSolution:
     """A path through free intervals whose lines are certified, by real shapes where the spheres leave too little.
 
     At poses where they leave nothing, they could be told no more than postures one by one, which do not go on from
-    each other.
+    each other. The same goes for postures that are given, and that spheres alone hit.
     """
     around, room = problem.around, _Room(problem)
     assert around is not None
     paths = []
-    if not around.is_exact and any(len(around.by_shapes(problem.T[i], True)[0]) for i in room.shut):
+    if not around.is_exact and (
+        any(around.hit_at(q) for q in problem.known[problem.has_known])
+        or any(len(around.by_shapes(problem.T[i], True)[0]) for i in room.shut)
+    ):
         exact = replace(problem, around=around.with_shapes())
-        paths = [_planned(exact, _Room(exact), find)]
+        clear = if_clear(exact, alone)
+        paths = [_planned(exact, _Room(exact), find) if clear is None else clear]
     if not any(paths):
         paths.append(_planned(problem, room, find))
     return min(paths, key=lambda path: len(path.breaks))
@@ -174,11 +180,12 @@ def _jumps(problem: Problem, rows: Array) -> int:
 
 
 def _refuse_hits(problem: Problem) -> None:
-    """Raise InvalidConfiguration for given postures that hit something."""
-    assert problem.around is not None
+    """Raise InvalidConfiguration for given postures that hit something, by the real shapes."""
+    around = problem.around
+    assert around is not None
     for i in np.flatnonzero(problem.has_known).tolist():
-        hit = problem.around.hit_at(problem.known[i])
-        if hit is not None and not problem.around.is_exact:
+        hit = None if around.is_clear(problem.known[i], True) else around.deepest_at(problem.known[i], TOUCH)
+        if hit is not None:
             raise InvalidConfiguration(f"known: in the posture of pose {i}, {hit.first} meets {hit.second}")
 
 
