@@ -264,6 +264,19 @@ def test_wrong_options_are_one_line(tmp_path, words, named):
     assert named in result.stderr
 
 
+@pytest.mark.parametrize(
+    "words", [("path",), ("follow", "--dt", "0.1"), ("fk", "--file"), ("solve", "--file")], ids=lambda words: words[0]
+)
+@pytest.mark.parametrize(("out", "named"), [("none/q.csv", "there is no folder"), ("", "it is a folder")])
+def test_that_answers_have_no_place_is_said_before_the_work(tmp_path, words, out, named):
+    file, out = write(tmp_path / "poses.csv", line_of_poses(3)), str(tmp_path / out)
+    result = run(words[0], str(tmp_path / "none.urdf"), *words[1:], file, "--out", out)
+    assert result.exit_code == 2, result.exception
+    assert result.stderr.count("\n") == 1
+    assert out in result.stderr
+    assert named in result.stderr
+
+
 def test_missing_and_binary_files_are_one_line(tmp_path):
     binary = tmp_path / "poses.csv"
     binary.write_bytes(b"\xff\xfe\x00\x01")

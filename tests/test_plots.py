@@ -235,6 +235,9 @@ def test_a_pose_out_of_reach_is_exit_status_1_with_one_line(kind, tmp_path):
         (["intervals", "iiwa14", "--q", *Q, "--output", "a.colour"], "a.colour"),
         (["intervals", "iiwa14", "--q", *Q, "--output", "no/such/folder/a.png"], "no/such/folder"),
         (["arm-angle", "iiwa14", "--q", *Q, "--output", "a.png", "--branch", "9"], "not 9"),
+        (["intervals", "iiwa14", "--q", *Q, "--output", "a.png", "--branch", "2"], "--branch is of 'arm-angle'"),
+        (["arm-angle", "iiwa14", "--q", *Q, "--output", "a.png", "--part", "linear"], "--part is of 'ellipsoids'"),
+        (["intervals", "iiwa14", "--q", *Q, "--output", "a.png", "--limits"], "--limits is of 'ellipsoids'"),
         (
             ["ellipsoids", "iiwa14", "--q", *Q, "--output", "a.png", "--part", "full"],
             "'full' is not one of 'linear', 'angular'",

@@ -57,7 +57,9 @@ def plot(
     branch: Annotated[
         int | None, typer.Option(metavar="0..7", help="Branch of 'arm-angle'; that of 'srs-ik solve' if not given.")
     ] = None,
-    part: Annotated[Part, typer.Option(help="Part of 'ellipsoids': linear or angular.")] = Part.linear,
+    part: Annotated[
+        Part | None, typer.Option(help="Part of 'ellipsoids': linear (if not given) or angular.", show_default=False)
+    ] = None,
     limits: Annotated[
         bool, typer.Option("--limits", help="Weigh the joints of 'ellipsoids' by the arm's own limits.")
     ] = False,
@@ -73,6 +75,11 @@ def plot(
         raise WrongInput("name the picture: --output FILE.png")
     if branch is not None and branch not in range(8):
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
+    of_others = {"--branch": (branch is not None, Kind.arm_angle)}
+    of_others |= {"--part": (part is not None, Kind.ellipsoids), "--limits": (limits, Kind.ellipsoids)}
+    for option, (given, of) in of_others.items():
+        if given and kind is not of:
+            raise WrongInput(f"{option} is of '{of.value}', and changes nothing of '{kind.value}'")
     pose, angles = read_pose(xyz, rpy, quat, q, unit_of(degrees))
     check(output, "--output")
 
@@ -82,7 +89,7 @@ def plot(
     arm = load(source, **chosen)
     if kind is Kind.ellipsoids:
         posture = angles if pose is None else _solved(arm, pose, not no_limits)
-        figure = plots.plot_ellipsoids(arm, posture, limits, part.value)
+        figure = plots.plot_ellipsoids(arm, posture, limits, (part or Part.linear).value)
     else:
         if pose is None:
             pose = arm.forward_kinematics(angles).homogeneous

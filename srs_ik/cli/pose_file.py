@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from srs_ik.cli.options import WrongInput, is_number, warn
 from srs_ik.cli.poses import warn_of_degrees
 from srs_ik.errors import quoted
-from srs_ik.system.writing import write_whole
+from srs_ik.system.writing import check_place, write_whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,9 +43,14 @@ def is_output(path: Path | None) -> bool:
 
 
 def check_out(out: Path | None, as_json: bool, *read: Path | None) -> None:
-    """Raise WrongInput where answers would be written onto a file that is read, under whatever name, or beside JSON."""
+    """Raise WrongInput where answers would be written onto a file that is read, under whatever name, or beside JSON.
+
+    And OSError where there is no place for them.
+    """
     if is_output(out) and as_json:
         raise WrongInput(f"--json and --out {out} both write on standard output: give one of them")
+    if out is not None and not is_output(out):
+        check_place(out)
     for path in read:
         if (
             out is not None

@@ -20,13 +20,8 @@ def write_whole(path: Path, content: bytes | str, *, replace: bool = True) -> Pa
         OSError: it cannot be written, with `filename` the path; what was there before is still there.
     """
     data = content.encode() if isinstance(content, str) else content
+    check_place(path, replace=replace)
     try:
-        if not replace and os.path.lexists(path):
-            raise FileExistsError(errno.EEXIST, "it exists already")
-        if path.is_dir():
-            raise IsADirectoryError(errno.EISDIR, "it is a folder")
-        if not path.parent.is_dir():
-            raise FileNotFoundError(errno.ENOENT, f"there is no folder {str(path.parent)!r}")
         if _is_stream(path):
             path.write_bytes(data)
         else:
@@ -35,6 +30,19 @@ def write_whole(path: Path, content: bytes | str, *, replace: bool = True) -> Pa
         # Made from a number, it is the error of its kind.
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
     return path
+
+
+def check_place(path: Path, *, replace: bool = True) -> None:
+    """Raise the error of `write_whole` where there is no place for a file, before the work on what it is to hold."""
+    number, why = 0, ""
+    if not replace and os.path.lexists(path):
+        number, why = errno.EEXIST, "it exists already"
+    elif path.is_dir():
+        number, why = errno.EISDIR, "it is a folder"
+    elif not path.parent.is_dir():
+        number, why = errno.ENOENT, f"there is no folder {str(path.parent)!r}"
+    if why:
+        raise OSError(number, why, str(path))
 
 
 def _is_stream(path: Path) -> bool:
