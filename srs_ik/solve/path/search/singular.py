@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from srs_ik.kernels.entries.kinematics import configuration_arm_angle
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, LIMITED, PHASE, SHOULDER, STRAIGHT, TOP_GAP, WRIST
 from srs_ik.kernels.layout.path import HELD, HELD_BRANCH, HELD_PSI
 from srs_ik.solve.path.problem import Problem, Way
-from srs_ik.solve.pose import solve_all
+from srs_ik.solve.pose import solve
 from srs_ik.system.arrays import Array
 
 if TYPE_CHECKING:
@@ -23,6 +24,9 @@ ALIGNED = 1e-7
 
 APART = 1e-4
 """Postures closer than this, rad, are one."""
+
+BITS = 2, 4, 1
+"""Of a branch, what says on which side shoulder, elbow and wrist are."""
 
 SIDE_BY_SIDE = np.linspace(-np.pi, np.pi, 64)
 """Where shoulder and wrist turn on the spot, strips have lines of the one at these turns of the other, rad."""
@@ -61,11 +65,16 @@ def aligned(arm: PackedArm, q: Array) -> NDArray[np.bool_]:
 
 
 def _turned_elbows(problem: Problem, way: Way, i: int, angles: Array) -> list[Array]:
-    """Postures of a pose at arm angles from that of a path."""
+    """Postures of a pose at arm angles from that of a path, in its branch or one that meets it where it is singular."""
+    arm, q, branches = problem.arm, way.q[i], [int(way.branch[i])]
+    for bit, singular in zip(BITS, aligned(arm, q), strict=True):
+        if singular:
+            branches += [branch ^ bit for branch in branches]
     rows = []
-    for angle in angles:
-        found = solve_all(problem.arm, problem.T[i], float(way.psi[i] + angle), True)
-        rows += [one.q for one in found if np.abs(one.q[[1, 3, 5]] - way.q[i, [1, 3, 5]]).max() < APART][:1]
+    for psi in (way.psi[i] + angles).tolist():
+        found = (solve(arm, problem.T[i], arm_angle=psi, branch=branch) for branch in branches)
+        alike = (one.q for one in found if one and np.abs(one.q[[1, 3, 5]] - q[[1, 3, 5]]).max() < APART)
+        rows += list(islice(alike, 1))
     return rows
 
 
