@@ -49,7 +49,10 @@ def needed_by(file: Path) -> set[Path]:
         f"import sys, {name}\n"
         "print(*(m.__file__ for n, m in sys.modules.items() if n.startswith('srs_ik.kernels')), sep='\\n')"
     )
-    printed = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout
+    # Some are read where Numba compiles alone.
+    environment = {**os.environ, "SRS_IK_JIT": "1"}
+    command = [sys.executable, "-c", program]
+    printed = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
     return {Path(line) for line in printed.split() if Path(line).name != "__init__.py"}
 
 
