@@ -3,6 +3,7 @@
 import copy
 import gc
 import multiprocessing
+import os
 import pickle
 from concurrent.futures import ProcessPoolExecutor
 
@@ -57,6 +58,20 @@ def ask(arm) -> list:
     ]
 
 
+def ask_little(arm) -> list:
+    """What Numba compiles in a minute."""
+    q = np.tile([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2], (9, 1))
+    splits = arm.free_splits(arm.forward_kinematics([0.3, 0.0, 0.2, -1.1, 0.4, 0.0, 0.1]))
+    return [
+        arm.forward_kinematics_batch(q),
+        arm.jacobian_batch(q),
+        arm.arm_angle_jacobian(q[0]),
+        arm.self_motion_tangent(q[0]),
+        np.array(arm.posture(TASK).arm_angle),
+        np.array(len(splits)),
+    ]
+
+
 @pytest.mark.parametrize("how", COPIES)
 def test_arrays_of_a_copy_take_no_changes(how):
     arm = srs_ik.load("iiwa14")
@@ -74,12 +89,13 @@ def test_arrays_of_a_copy_take_no_changes(how):
 def test_nothing_is_compiled_for_copies():
     arm = srs_ik.load("iiwa14")
     moved = arm.with_tool(np.eye(4))
-    expected, expected_moved = ask(arm), ask(moved)
+    some = ask if os.environ.get("SRS_IK_JIT") == "all" else ask_little
+    expected, expected_moved = some(arm), some(moved)
     before = compiled()
-    assert before[0] > 10
+    assert before[0] > 6
     for how in COPIES.values():
         for one, answers in ((arm, expected), (moved, expected_moved)):
-            for a, b in zip(ask(how(one)), answers, strict=True):
+            for a, b in zip(some(how(one)), answers, strict=True):
                 assert a.tobytes() == b.tobytes()
     assert compiled() == before
 
