@@ -81,7 +81,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         met.add(test)
         if item.path.stem in NUMBA:
             item.add_marker(pytest.mark.numba)
-        if not jit.BY_NUMBA and item.get_closest_marker("numba"):
+        if jit.AHEAD and not jit.BY_NUMBA and item.get_closest_marker("numba"):
             item.add_marker(pytest.mark.skip(reason="kernels are compiled ahead: SRS_IK_JIT=inner pytest -m numba"))
         if jit.AHEAD and item.get_closest_marker("jit"):
             item.add_marker(pytest.mark.skip(reason="entries are compiled ahead: SRS_IK_JIT=1 pytest -m jit"))

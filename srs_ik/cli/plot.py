@@ -75,9 +75,11 @@ def plot(
         raise WrongInput("name the picture: --output FILE.png")
     if branch is not None and branch not in range(8):
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
-    of_others = {"--branch": (branch is not None, Kind.arm_angle)}
-    of_others |= {"--part": (part is not None, Kind.ellipsoids), "--limits": (limits, Kind.ellipsoids)}
-    for option, (given, of) in of_others.items():
+    for option, given, of in (
+        ("--branch", branch is not None, Kind.arm_angle),
+        ("--part", part is not None, Kind.ellipsoids),
+        ("--limits", limits, Kind.ellipsoids),
+    ):
         if given and kind is not of:
             raise WrongInput(f"{option} is of '{of.value}', and changes nothing of '{kind.value}'")
     pose, angles = read_pose(xyz, rpy, quat, q, unit_of(degrees))

@@ -268,7 +268,8 @@ def stretch(limbs, place_, span, rows, out):
             behind = rows[i + 1, 1] if i < last_met else rows[first, 1] + TURN
             lower, upper = ends_of(asked, eased, rows[i, 1], rows[i, 2], before, behind)
             count = write_interval(out, begin, count, branch, lower, upper)
-        count = join_touching(out, begin, count)
+        if count > begin:
+            count = join_touching(out, begin, count)
         first = last + 1
     return count
 
