@@ -353,5 +353,6 @@ def intervals_around(family, place_, found, out):
         one, eased = np.empty((1, 3)), row(scratch(1, SIZE), 0)
         ease(P, eased)
         copy(row(out, 0), row(one, 0), 3)
-        n = stretch((P, eased), place_, span_of_bends(P, place_), one, out)
+        # A posture between limits that meet in one point has its arm angle alone, which no bend may have again.
+        n = max(n, stretch((P, eased), place_, span_of_bends(P, place_), one, out))
     return n
