@@ -67,16 +67,6 @@ def inside_of_blur(P, by, q, blur):
 
 
 @kernel
-def farthest_out(P, q):
-    """The joint of a posture that is farthest outside its limits, or closest to them."""
-    worst = 0
-    for j in range(1, 7):
-        if joint_beyond(P, j, q) > joint_beyond(P, worst, q):
-            worst = j
-    return worst
-
-
-@kernel
 def closed_inside(P, by, q):
     """The posture inside the limits that a pose has next to one barely outside them, and whether there is one."""
     q = clipped(P, turned(P, q, False, NO_SEED, True))
@@ -89,10 +79,9 @@ def corner(P, by, q, off):
     """The posture inside the limits where one joint comes in as another goes out, and whether there is one.
 
     It may be the only one. Rounding turns the outer joints of a shoulder or wrist that is almost singular against each
-    other, and so puts the posture of a curve that is closest to it so far outside, rad.
+    other, and hides how far an elbow is bent that is almost straight, and so puts the posture of a curve that is closest
+    to it so far outside, rad.
     """
-    if farthest_out(P, q) & 1 == 1:  # a middle joint, or the elbow: not what rounding turns
-        return q, False
     t, sign = tangent_at(P, by, q)
     if sign != 0.0 and off > vagueness(by.J, t, by.A):
         return q, False
