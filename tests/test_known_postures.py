@@ -1006,10 +1006,16 @@ TOLD = [
         "rm75",
         "3.09999999 -1.8286027161110532 -1.6133794644901953 1e-10 0.5966407406214671 -2.23299999 3.376583427158603",
     ),
+    (
+        "rm75",
+        "-1.7998569201834305 -0.11808088789605398 2.1688547150196844 1.080227660526937 -3.089322110988282 1e-09 "
+        "-5.745489329231564",
+    ),
 ]
 """Branches that change a thousand times; a posture on a limit; arm angles of flat elbows that floats do not tell, or
 told by postures that do not meet their pose, or break a limit; far turns, sharp bulges, and elbows elsewhere; a sample
-outside its limits between two postures inside; steps that would lead from one curve to another."""
+outside its limits between two postures inside; steps that would lead from one curve to another; ends that floats put
+outside of them."""
 
 
 def assert_intervals_are_met(bench, arm, q):

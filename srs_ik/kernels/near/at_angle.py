@@ -47,9 +47,10 @@ ROUNDING = 1e-9
 """Of the reach."""
 
 BESIDE = (0.0, 0.5 * on_curves.SAME_ANGLE, -0.5 * on_curves.SAME_ANGLE)
-BARELY = 1e-3
+BARELY = 1e-2
 """Where else a branch is looked for that ends at an arm angle, rad; where no curve turns around or goes over into
-another branch next to it, only if a posture is no farther outside its limits than the last."""
+another branch next to it, only if a posture is no farther outside its limits than the last. Next to a singular wrist
+arm angles that floats do not tell apart may be as far apart as that in the outer joints."""
 
 ON_LINE = 1e-3
 """The elbow of a limb that misses by more than this part of its reach does not come to lie on the line S-W."""
@@ -94,12 +95,21 @@ def close_branches(P, target, psi, wanted, goal, each, A):
 
 
 @kernel
-def may_have_others(P, target, psi, q):
-    """Whether there may be other postures than one at its arm angle, in its branch or next to it.
+def is_barely(value):
+    """Whether a posture of a cost is barely outside its limits."""
+    return OUTSIDE <= value < OUTSIDE + BARELY
+
+
+@kernel
+def may_have_others(P, target, psi, q, value):
+    """Whether there may be other postures than one of a cost at its arm angle, in its branch or next to it.
 
     Also where its own elbow is well bent: another posture of the pose may have an almost straight one.
     """
-    return (is_unsure(P, q) or band.least_bend(P, target.place) == 0.0) and not band.is_told(P, target.place, psi)
+    unsure = is_unsure(P, q)
+    if unsure and is_barely(value):
+        return True
+    return (unsure or band.least_bend(P, target.place) == 0.0) and not band.is_told(P, target.place, psi)
 
 
 @kernel
@@ -107,7 +117,7 @@ def is_any_barely(found):
     """Whether a branch is barely outside its limits, in rows of found (8, 8)."""
     barely = False
     for branch in range(8):
-        barely = barely or OUTSIDE <= found[branch, ROW_COST] < OUTSIDE + BARELY
+        barely = barely or is_barely(found[branch, ROW_COST])
     return barely
 
 
@@ -123,7 +133,7 @@ def branches_to_look_at(P, target, psi, wanted, A):
         if value < OUTSIDE or (wanted >= 0 and branch != wanted):
             continue
         q = read7(row(A, FIRST + branch))
-        if value >= NO_BRANCH or is_crowded(P) or may_have_others(P, target, psi, q):
+        if value >= NO_BRANCH or is_crowded(P) or may_have_others(P, target, psi, q, value):
             branches |= 1 << branch
     return branches
 
@@ -290,7 +300,7 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
             other = on_border(P, found, wanted, goal)
         if other[2] < best[2]:
             best = other
-        if best[2] < OUTSIDE or (certain and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
+        if best[2] < OUTSIDE or (certain and not is_barely(best[2])):
             break
     return best, certain
 
@@ -351,7 +361,7 @@ def look_at_angle(P, target, psi, wanted, goal, J, A):
     if not certain and (lowest >= OUTSIDE or seeded or wanted < 0):
         followed = on_curves.followed_curves(P, by, branches)
         (q, best, lowest), certain = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
-    if lowest < OUTSIDE or (certain and not OUTSIDE <= lowest < OUTSIDE + BARELY):
+    if lowest < OUTSIDE or (certain and not is_barely(lowest)):
         return q, best, lowest
     within, kept = Setting(target, by.side, True, J, A), followed.runs.shape[0]
     if respect:
