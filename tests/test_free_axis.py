@@ -1,6 +1,8 @@
 """Poses that leave a turn free: no feasible one is missed, and the nearest posture is that of a dense grid."""
 
+import copy
 import math
+import pickle
 
 import arms
 import numpy as np
@@ -589,3 +591,44 @@ def test_elbows_stay_on_their_limit_where_the_axis_is_that_of_joint_7(cone, q, s
     solution = arm.solve(arms.forward("iiwa14")(q), seed=seed, free_axis=free)
     assert solution, solution.message
     assert np.linalg.norm(solution.q - seed) <= np.linalg.norm(q - seed) + 1e-6
+
+
+IN_OTHER_BRANCHES = (
+    (
+        "rm75",
+        2.0,
+        [-2.736, 2.261, 3.1, -1.514, 2.294, -0.287, -0.38],
+        [0.878, -0.284, 2.014],
+        [-2.905, -0.852, 1.911, 0.047, 2.558, -0.342, -0.38],
+    ),
+    (
+        "sia5d",
+        0.5,
+        [-3.092, 0.846, -0.305, -1.471, 1.365, -1.919, 0.018],
+        [-0.198, -0.467, 0.614],
+        [-2.65, 0.178, 2.237, 0.125, 1.402, -1.382, 0.018],
+    ),
+)
+"""Cones, postures far from seeds, in whose branches the best starts lead elsewhere, turns to their poses, and seeds."""
+
+
+@pytest.mark.parametrize(
+    ("name", "cone", "q", "turned", "seed"), [at for at in IN_OTHER_BRANCHES if at[0] in arms.here(at[0])]
+)
+def test_in_wide_cones_the_other_branches_of_the_best_posture_are_looked_at(name, cone, q, turned, seed):
+    T = arms.forward(name)(np.array(q)).homogeneous
+    T[:3, :3] = T[:3, :3] @ pin.exp3(np.array(turned))
+    solution = arms.load(name).solve(T, seed=seed, free_axis=FreeAxis(cone=cone))
+    assert solution, solution.message
+    assert np.linalg.norm(solution.q - seed) <= np.linalg.norm(np.subtract(q, seed)) + 1e-6
+
+
+def test_what_is_free_is_not_changed_afterwards():
+    free = FreeAxis([0.0, 0.0, 2.0], cone=0.3)
+    for each in (free, copy.copy(free), copy.deepcopy(free), pickle.loads(pickle.dumps(free))):
+        assert each == free
+        for name, value in (("axis", [1.0, 0.0, 0.0]), ("cone", 1.0)):
+            with pytest.raises(AttributeError, match=f"FreeAxis.{name} cannot be changed: make another FreeAxis"):
+                setattr(each, name, value)
+        with pytest.raises(ValueError, match="read-only"):
+            each.axis[0] = 1.0

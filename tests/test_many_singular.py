@@ -173,10 +173,17 @@ ELSEWHERE = [
       3.5580397761485987, -2.7038466490586197),
      (0.861099524302867, -0.03968189907601314, 4.494957926241266, 1e-12, -0.18960876602473364, 0.05546514773334712,
       -1.0158092536930048)),
+    ("random_near", 99100001, 42,
+     (-1.669731783036523, 0.0, -1.33063989847887, 0.00198269451478561, -2.29119887027784, -3.472209384767584,
+      4.693913166270736),
+     (-1.423219542876549, 1.7096284723453032, -0.01573521146702639, -4.747898707952486, -1.3223525483714416,
+      1.05926781303139, 3.826044883956513),
+     (-1.669731783036523, 0.0, -1.33063989847887, 0.00198269451478561, -2.29119887027784, 2.8109759224120023,
+      4.693913166270736)),
 ]  # fmt: skip
 """The same, of postures that are nearer elsewhere: on a small closed curve to whose centre 13 steps lead, with joint 7,
-beyond a limit but for rounding, a turn away, and in an interval of 4e-5 rad, where the reaches of shoulder and wrist
-end."""
+beyond a limit but for rounding, a turn away, in an interval of 4e-5 rad, where the reaches of shoulder and wrist end,
+and where joints 5 and 7 come to limits in turns that other postures do not have."""
 
 FARTHER_INSIDE = (
     (0, (2.8883971832896487, 1e-10, -3.1655901855809496, -2.4773068477198968e-08, 0.4426132107692151, 1e-10,
@@ -334,7 +341,9 @@ def test_steps_go_on_where_what_is_left_of_an_error_is_worth_far_more(judges, ca
     assert_is_no_farther(judges, case)
 
 
-@pytest.mark.parametrize("case", ELSEWHERE, ids=["small curve", "another turn", "narrow interval"])
+@pytest.mark.parametrize(
+    "case", ELSEWHERE, ids=["small curve", "another turn", "narrow interval", "one posture of its turns"]
+)
 def test_nearer_postures_that_few_steps_or_rounding_hide_are_found(judges, case):
     assert_is_no_farther(judges, case)
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidTask, quoted
+from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.numbers import array_or_empty, real_number
-from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, FREE_FIRST, FREEDOM
+from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, FREEDOM
 from srs_ik.system.arrays import Array
 
 ANY = "any"
@@ -38,7 +39,7 @@ MANY_APART, MANY_ROLLS = 0.7, 12
 """The same where few of those reach, or none has met a pose: how far apart directions are at most, by the cone."""
 
 
-class FreeAxis:
+class FreeAxis(Fixed):
     """A rotation that is not wanted in full: the roll about an axis of the tip is free, and the axis may lean.
 
     ``FreeAxis([0, 0, 1])`` keeps the direction of the tip's z axis, as drills, torches and suction cups want it.
@@ -51,7 +52,11 @@ class FreeAxis:
 
     Raises:
         InvalidTask: no direction, or no angle of that range.
+        AttributeError: one of them is set afterwards.
     """
+
+    _fixed: ClassVar[frozenset[str]] = frozenset({"axis", "cone"})
+    _instead: ClassVar[str] = "make another FreeAxis"
 
     def __init__(self, axis: ArrayLike = (0.0, 0.0, 1.0), cone: float = 0.0) -> None:
         direction = array_or_empty(axis)
@@ -62,11 +67,14 @@ class FreeAxis:
         scaled = np.ldexp(direction, -math.frexp(largest)[1])
         self.axis = scaled / np.linalg.norm(scaled)
         self.axis.flags.writeable = False
-        self.cone = real_number(cone)
-        if math.pi < self.cone < math.pi + WRITTEN_PI:
-            self.cone = math.pi
+        angle = real_number(cone)
+        self.cone = math.pi if math.pi < angle < math.pi + WRITTEN_PI else angle
         if not 0.0 <= self.cone <= math.pi:
             raise InvalidTask(f"the cone of a free axis must be an angle from 0 to pi rad, not {quoted(cone)}")
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.axis.flags.writeable = False
 
     @cached_property
     def packed(self) -> Array:
@@ -74,7 +82,6 @@ class FreeAxis:
         packed = np.zeros(FREEDOM)
         packed[FREE_AXIS : FREE_AXIS + 3] = self.axis
         packed[FREE_CONE] = self.cone
-        packed[FREE_FIRST] = len(self._first_turns)
         return packed
 
     @cached_property
@@ -86,6 +93,11 @@ class FreeAxis:
         if self.cone == 0.0:
             return self._first_turns
         return np.concatenate([self._first_turns, self._spread(min(FINE_APART, MANY_APART * self.cone), MANY_ROLLS)])
+
+    @property
+    def few(self) -> int:
+        """How many of its turns are looked at first, and the others where few of these reach."""
+        return len(self._first_turns)
 
     @cached_property
     def _first_turns(self) -> Array:

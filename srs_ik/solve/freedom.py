@@ -14,7 +14,7 @@ from srs_ik.inputs.freedom import FreeAxis, as_free_axis
 from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import freedom as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
-from srs_ik.kernels.layout.freedom import FREE_FIRST, MOST_STARTS, START, WORK
+from srs_ik.kernels.layout.freedom import MOST_STARTS, START, WORK
 from srs_ik.solve import pose
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.packed import PackedArm
@@ -120,12 +120,9 @@ def _searched_once(asked: _Question) -> tuple[Array, int]:
 
 def _search(asked: _Question, out: Array, verdicts: NDArray[np.int8], first: int, last: int) -> None:
     arm, poses, free, seeds, respect, all_turns = asked
-    packed = free.packed
-    if all_turns:
-        packed = packed.copy()
-        packed[FREE_FIRST] = len(free.turns)
+    turns = free.turns, len(free.turns) if all_turns else free.few
     space = np.empty(WORK), np.empty((MOST_STARTS, START))
-    entries.solve_range(arm.family, poses, first, last, packed, free.turns, seeds, respect, *space, out, verdicts)
+    entries.solve_range(arm.family, poses, first, last, free.packed, *turns, seeds, respect, *space, out, verdicts)
 
 
 def _met_at_all(

@@ -28,25 +28,45 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.triangle import elbow_side
 
+AT_BOUND = 1e-9
+"""A joint this close to a limit in any turn, rad, is on it but for rounding."""
+
+
+@kernel
+def may_jump(P, j, bound):
+    """Whether a joint of more than a turn is in another one behind a limit of its range."""
+    return P[RANGE_KIND + j] == 0.0 and abs(bound) < math.inf
+
+
+@kernel
+def put_on_bounds(P, q):
+    """A posture with joints of more than a turn on limits that rounding alone leaves them beside, in any turn."""
+    for k in range(14):
+        j = k % 7
+        bound = P[(LOWER if k < 7 else UPPER) + j]
+        if may_jump(P, j, bound) and abs(short_way(bound - q[j])) < AT_BOUND:
+            q = with_joint(q, j, bound)
+    return q
+
 
 @kernel
 def best_at_bounds(P, by, ends, goal, best):
     """The better of the best posture so far and those between two samples where another turn of a joint begins or ends.
 
     A joint of more than a turn passes a limit there a turn away, and the distance from a seed jumps: where two such
-    passes are close together, no sample may be between them.
+    passes are close together, no sample may be between them, and where they are at one posture, nothing is.
     """
     a, b = ends
     for k in range(14):
         j = k % 7
         bound = P[(LOWER if k < 7 else UPPER) + j]
-        if P[RANGE_KIND + j] != 0.0 or not abs(bound) < math.inf:
+        if not may_jump(P, j, bound):
             continue
         way, ahead = short_way(b[j] - a[j]), short_way(bound - a[j])
         if ahead * way > 0.0 and abs(ahead) < abs(way):
             q, _, met = meet(P, by, (a, b), a, j, a[j] + ahead)
             if met:
-                q, value = cost_of_turn(P, with_joint(q, j, bound), goal)
+                q, value = cost_of_turn(P, put_on_bounds(P, with_joint(q, j, bound)), goal)
                 if value < best.cost:
                     best = Best(q, value)
     return best

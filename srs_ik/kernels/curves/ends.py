@@ -79,8 +79,8 @@ def corner(P, by, q, off):
     """The posture inside the limits where one joint comes in as another goes out, and whether there is one.
 
     It may be the only one. Rounding turns the outer joints of a shoulder or wrist that is almost singular against each
-    other, and hides how far an elbow is bent that is almost straight, and so puts the posture of a curve that is closest
-    to it so far outside, rad.
+    other, and hides the bend of an elbow that is almost straight, and so puts the posture of a curve that is closest to
+    it so far outside, rad.
     """
     t, sign = tangent_at(P, by, q)
     if sign != 0.0 and off > vagueness(by.J, t, by.A):

@@ -149,7 +149,7 @@ maps.margin_range(family, poses, first, last, out: float[n]&)
 maps.measure_range(family, poses, first, last, limits: float[2], margin: int, out: float[n, c]&)
 maps.measure_cells(family, points: float[n, 3], rotations: float[m, 9], limits: float[2], margin: int,
     out: float[o, c]&)
-freedom.solve_range(family, poses, first, last, freedom: float[FREEDOM], turns: float[t, 9], seeds, respect,
+freedom.solve_range(family, poses, first, last, freedom: float[FREEDOM], turns: float[t, 9], few: int, seeds, respect,
     work: float[WORK]&, starts: float[MOST_STARTS, START]&, out: float[n, ROW]&, verdicts)
 track.update(family, state: float[STATE]&, settings: float[s], T, given, work: float[8, 16, 9]&, out: float[STEP]&)
 """

@@ -30,6 +30,8 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import STRAIGHT
+from srs_ik.kernels.limb.branches import phase_of
+from srs_ik.kernels.limb.goal import turned
 
 ALMOST = 0.01
 """A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
@@ -94,14 +96,14 @@ def within_thin_cone(P, q, pose, freedom, rival, desk):
     there, cost, error, at_rest = settle(P, q, pose, Freedom(freedom.axis, 0.0), rival, desk)
     if SOLVED <= error < ALMOST:
         placed = straightened(P, there, pose, freedom, rival, desk)
-        off, turned = free_error(P, placed, pose[0], pose[1], freedom)
-        if max(off, turned) < SOLVED:
+        off, rest = free_error(P, placed, pose[0], pose[1], freedom)
+        if max(off, rest) < SOLVED:
             x, y, z, _ = forward_kinematics(P, placed)
             turned_there = as_rotation((x, y, z)), pose[1]
             there, cost, error, at_rest = settle(P, placed, turned_there, Freedom(freedom.axis, 0.0), rival, desk)
             if error < SOLVED:
                 return there, cost, error, at_rest
-            return placed, distance(placed, rival), max(off, turned), at_rest
+            return placed, distance(placed, rival), max(off, rest), at_rest
     return there, cost, error, at_rest
 
 
@@ -217,4 +219,27 @@ def once_more(P, pose, freedom, liking, found, desk):
         for j in range(1, 7, 2):
             found = nearer_from(P, pose, freedom, liking, with_joint(best, j, best[j] + BENT_OVER), found, desk)
             found = nearer_from(P, pose, freedom, liking, with_joint(best, j, best[j] - BENT_OVER), found, desk)
+    return found
+
+
+@kernel
+def on_other_side(P, q, middle):
+    """A posture with a middle joint on the other side: in the same pose, where neighbouring axes are perpendicular."""
+    j = 2 * middle + 1
+    q = with_joint(q, j, 2.0 * phase_of(P, middle) - q[j])
+    return with_joint(with_joint(q, j - 1, q[j - 1] + math.pi), j + 1, q[j + 1] + math.pi)
+
+
+@kernel
+def in_other_branches(P, pose, freedom, liking, found, desk):
+    """The nearest posture that searches lead to from the best one's own in the seven other branches, or that one."""
+    best = found.q
+    for other in range(1, 8):
+        q = best
+        for middle in range(3):
+            if (other >> middle) & 1 == 1:
+                q = on_other_side(P, q, middle)
+        start = between(turned(P, q, True, liking.posture, True), liking.lower, liking.upper)
+        if math.sqrt(distance(start, liking)) < math.sqrt(found.cost) + NO_NEARER:
+            found = nearer_from(P, pose, freedom, liking, start, found, desk)
     return found

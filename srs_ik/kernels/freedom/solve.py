@@ -10,7 +10,7 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.freedom.from_seed import CLOSE, from_seed
-from srs_ik.kernels.freedom.nearest import nearest, once_more
+from srs_ik.kernels.freedom.nearest import in_other_branches, nearest, once_more
 from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import MOST_ATTEMPTS, NONE_LEFT, is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
@@ -24,7 +24,7 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = (24, 4, 1.0), (10, 4, 1.0), (20, 8, 2.0)
+NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = (24, 4, 1.0), (10, 4, 1.0), (16, 8, 2.0)
 """With the roll alone free, in a narrow cone, and in a wider one: local searches at most once a posture is known; those
 of starts that are good once they are inside the limits, which come late; and how much nearer to the seed than these
 starts searches come, rad. In a wide cone, postures pressed between limits have starts farther away."""
@@ -64,7 +64,11 @@ def found_posture(family, P, pose, given, goal, liking, desk):
         # One that is farther ends no other search: at singular shoulders and wrists these go a long way round.
         found = nearest_of_all(P, pose, given, liking, known if known.cost < CLOSE * CLOSE else none, desk)
         found = known if known.cost < found.cost else found
-        return once_more(P, pose, given[0], liking, found, desk) if found.met else found
+        if not found.met:
+            return found
+        found = once_more(P, pose, given[0], liking, found, desk)
+        # The grid is coarse in a wide cone, and may have starts of the best branch at other turns alone.
+        return in_other_branches(P, pose, given[0], liking, found, desk) if given[0].cone > NARROW else found
     if goal.respect and any_limited(P):
         found = widest_of_all(P, pose, given, liking, desk)
         if found.met:

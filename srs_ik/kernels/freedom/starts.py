@@ -288,13 +288,13 @@ def add_turns(P, pose, given, sought, desk, n):
 @kernel
 def starts_of_turns(P, pose, given, sought, desk, n):
     """Write starts as `starts_of_roll` at turns, behind n others; return the number of all."""
-    freedom, turns, many = given
+    freedom, turns, few = given
     first = n
     desk.table[INSIDE] = min(desk.table[INSIDE], sought.known.cost)
     desk.table[REACHED] = 0.0
-    n = add_turns(P, pose, (freedom, turns, (0, many)), sought, desk, n)
+    n = add_turns(P, pose, (freedom, turns, (0, few)), sought, desk, n)
     if sought.seeded and desk.table[REACHED] < FEW:
-        n = add_turns(P, pose, (freedom, turns, (many, turns.shape[0])), sought, desk, n)
+        n = add_turns(P, pose, (freedom, turns, (few, turns.shape[0])), sought, desk, n)
     for i in range(first, n):
         desk.starts[i, START_LEANS] = 1.0
     return n

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 FREE_AXIS = 0  # 3, unit vector in the tip frame
 FREE_CONE = 3  # rad; 0: the turn about the axis alone is free, pi: all turns are
-FREE_FIRST = 4  # how many of its turns are looked at first, and the rest where few of these reach
-FREEDOM = 5
+FREEDOM = 4
 """A freedom as an array."""
 
 SYSTEM = 16

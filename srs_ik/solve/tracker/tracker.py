@@ -19,7 +19,6 @@ from srs_ik.inputs.numbers import real_number
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix, as_target
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
-from srs_ik.kernels.layout.freedom import FREE_FIRST
 from srs_ik.kernels.layout.objectives import PARAMS
 from srs_ik.solve.freedom import met_batch
 from srs_ik.solve.freedom import solve as solve_free
@@ -111,8 +110,7 @@ class Tracker(Fixed):
         self.free_axis = None if free_axis is None else as_free_axis(free_axis)
         if self.free_axis is not None:
             self._settings[at.HAS_FREE] = 1.0
-            # How many turns come first is not asked: those that a tracker looks at are its own.
-            self._settings[at.FREE : at.SETTINGS] = self.free_axis.packed[:FREE_FIRST]
+            self._settings[at.FREE : at.SETTINGS] = self.free_axis.packed
         self._guard: Guard | None = None
         self.margin = as_margin(margin)
         if scene is not None:
