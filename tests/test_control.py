@@ -444,7 +444,7 @@ def test_targets_come_from_solve_and_solve_task():
 
 
 def test_a_tick_takes_few_times_the_inverse_dynamics_of_pinocchio():
-    """Seven times would be 15 us on a machine on which a tick takes 3.6 us, 1.8 times (the least of many short turns)."""
+    """1.8 times on one machine, on which seven times would be 15 us: the least of many short turns of both."""
     arm = arms.load("iiwa14")
     ports = [FractalImpedance("tip", TIP), FractalImpedance("orientation", TURN), FractalImpedance("elbow", ELBOW)]
     c = TorqueController(arm, ports, limits=True)
