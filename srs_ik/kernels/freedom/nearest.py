@@ -32,6 +32,7 @@ from srs_ik.kernels.layout.freedom import MOST_TAKEN, START_COST, START_LATE, Fo
 from srs_ik.kernels.layout.limb import STRAIGHT
 from srs_ik.kernels.limb.branches import phase_of
 from srs_ik.kernels.limb.goal import turned
+from srs_ik.kernels.limb.spherical import mirrored
 
 ALMOST = 0.01
 """A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
@@ -225,9 +226,9 @@ def once_more(P, pose, freedom, liking, found, desk):
 @kernel
 def on_other_side(P, q, middle):
     """A posture with a middle joint on the other side: in the same pose, where neighbouring axes are perpendicular."""
-    j = 2 * middle + 1
-    q = with_joint(q, j, 2.0 * phase_of(P, middle) - q[j])
-    return with_joint(with_joint(q, j - 1, q[j - 1] + math.pi), j + 1, q[j + 1] + math.pi)
+    j = 2 * middle
+    before, own, behind = mirrored(phase_of(P, middle), (q[j], q[j + 1], q[j + 2]))
+    return with_joint(with_joint(with_joint(q, j, before), j + 1, own), j + 2, behind)
 
 
 @kernel

@@ -134,7 +134,7 @@ def two_solutions(P, k, v, y, seeded, first, seed, respect):
     here = anchor(first, seeded, seed, respect)
     above = angles(P, k, v, y, c, s, 0, here)
     if s > NEARLY_SINGULAR and P[k + A1_A2] == 0.0 and P[k + A2_A3] == 0.0:
-        return above, mirrored(P, k, above), reached
+        return above, mirrored(P[k + PHASE], above), reached
     return above, angles(P, k, v, y, c, s, 1, here), reached
 
 

@@ -180,9 +180,9 @@ def split(P, k, total, toward, anchor):
 
 
 @kernel
-def mirrored(P, k, q):
-    """The other solution where axis 2 is perpendicular to axes 1 and 3, away from the singular rotations."""
-    return q[0] + math.pi, 2.0 * P[k + at.PHASE] - q[1], q[2] + math.pi
+def mirrored(phase, q):
+    """The other solution where axis 2, singular at a phase, is perpendicular to axes 1 and 3, away from there."""
+    return q[0] + math.pi, 2.0 * phase - q[1], q[2] + math.pi
 
 
 @kernel

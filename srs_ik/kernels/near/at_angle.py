@@ -108,6 +108,7 @@ def may_have_others(P, target, psi, q, value):
     """
     unsure = is_unsure(P, q)
     if unsure and is_barely(value):
+        # Rounding of the arm angle alone may have put it outside: what is told of that angle tells nothing beside it.
         return True
     return (unsure or band.least_bend(P, target.place) == 0.0) and not band.is_told(P, target.place, psi)
 
