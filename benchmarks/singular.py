@@ -7,7 +7,7 @@ may be on limits. What is nearer to a seed than an answer lies in the ball aroun
 all over this ball, the known configuration, the splits of its sums and the seed lead to curves of the pose's postures,
 and starts from a dense sweep along these to the minima of the distance inside the limits (`in_ball`), polished by
 SciPy: an answer must not be farther than these. Where floats do not tell postures apart, both are closed with more bits
-first.
+first, or that from the sweep as far as floats can, where more bits close none.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import in_ball
 import numpy as np
 import pinocchio as pin
-from extended import ExtendedChain
+from extended import ChainInDigits, ExtendedChain
 from scipy.optimize import minimize
 from subjects import arms_of, finish, parser, say
 from swept import Chain, wrapped
@@ -52,6 +52,9 @@ MOST_SPLITS = 400
 POLISHED = 4
 RESTS = 1e-7
 """Postures that are polished at most, and how far their own minimum has to be for that, rad."""
+
+CLOSER = 40
+"""Steps that bring a posture as close to its pose as floats can be."""
 
 GIVE = 0.1
 BEYOND = 0.5
@@ -160,6 +163,7 @@ class Known:
         self.data = arm.model.createData()
         self.frames = [arm.model.getFrameId(name) for name in (arm.base, arm.tip)]
         self.extended = ExtendedChain(self.chain.axes, self.chain.points, self.chain.tip, self.R_tip)
+        self.in_digits = ChainInDigits(self.chain.axes, self.chain.points, self.chain.tip, self.R_tip)
         squares = np.array([K @ K for K in self.crosses])
         parts = (self.chain.axes, self.chain.points, squares, self.chain.tip, self.R_tip)
         self.parts = tuple(np.ascontiguousarray(part) for part in parts)
@@ -295,10 +299,28 @@ class Known:
         met = [q for q in chosen if np.abs(self.errors_of_one(q, case.pose)[0]).max() < 2.0 * CLOSED]
         return min(met, key=lambda q: float(np.linalg.norm(q - case.seed)), default=None)
 
-    def exactly(self, case: Case, q: np.ndarray) -> float:
-        """The distance from the seed of a posture that is closed with more bits; inf where it closes nowhere."""
-        closed = self.extended.closed(q, case.pose, self.arm.lower, self.arm.upper)
-        return np.inf if closed is None else float(np.sqrt(((closed - case.seed) ** 2).sum()))
+    def as_close_as_floats(self, case: Case, q: np.ndarray) -> np.ndarray:
+        """The posture inside the limits next to one to which steps lead that leave the least error of the pose."""
+        best, least, lower, upper = q, np.inf, self.arm.lower, self.arm.upper
+        for _ in range(CLOSER):
+            e, J = self.errors_of_one(q, case.pose)
+            if np.abs(e).max() < least:
+                best, least = q, np.abs(e).max()
+            free, step = (q > lower) & (q < upper), np.zeros(7)
+            step[free] = np.linalg.lstsq(J[:, free], e, rcond=1e-17)[0]
+            q = np.clip(q + step * min(1.0, GIVE / max(np.abs(step).max(), GIVE)), lower, upper)
+        return best
+
+    def exactly(self, case: Case, q: np.ndarray, in_digits: bool = False) -> float:
+        """The distance from the seed of a posture that is closed with more bits; inf where it closes nowhere.
+
+        Joints that are on limits stay there, if it closes so: along its curve they may hardly leave them.
+        """
+        chain, lower, upper = self.in_digits if in_digits else self.extended, self.arm.lower, self.arm.upper
+        closed = chain.closed(q, case.pose, lower, upper, (q == lower) | (q == upper))
+        if closed is None:
+            closed = chain.closed(q, case.pose, lower, upper)
+        return np.inf if closed is None else float(((closed - case.seed) ** 2).sum() ** 0.5)
 
 
 def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
@@ -315,9 +337,14 @@ def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
         return away - least
     answer, posture = known.exactly(case, solution.q), known.exactly(case, nearest)
     if case.offset == 0.0 and not np.isfinite(posture):
-        # At an exactly singular pose steps with more bits end nowhere; floats tell its postures apart.
-        return away - least
-    return (answer if np.isfinite(answer) else away) - posture
+        # At an exactly singular pose steps with more bits end nowhere. Floats tell its postures apart, those that are
+        # as close to it as floats can be: by an error of 1e-13 one may be nearer by 1e-5.
+        return away - float(np.linalg.norm(known.as_close_as_floats(case, nearest) - case.seed))
+    more = (answer if np.isfinite(answer) else away) - posture
+    if more > WORSE:
+        answer, posture = known.exactly(case, solution.q, True), known.exactly(case, nearest, True)
+        more = min(more, answer - posture if np.isfinite([answer, posture]).all() else np.inf)
+    return more
 
 
 def told(arm: srs_ik.Arm, case: Case) -> str:

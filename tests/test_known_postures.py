@@ -1011,11 +1011,15 @@ TOLD = [
         "-1.7998569201834305 -0.11808088789605398 2.1688547150196844 1.080227660526937 -3.089322110988282 1e-09 "
         "-5.745489329231564",
     ),
+    (
+        "rm75",
+        "3.1 2.1656487325987612 -0.20098067803034292 0 -0.6135157157592062 -2.233 2.6386806435211065",
+    ),
 ]
 """Branches that change a thousand times; a posture on a limit; arm angles of flat elbows that floats do not tell, or
 told by postures that do not meet their pose, or break a limit; far turns, sharp bulges, and elbows elsewhere; a sample
 outside its limits between two postures inside; steps that would lead from one curve to another; ends that floats put
-outside of them."""
+outside of them; two postures of a straight elbow with none between."""
 
 
 def assert_intervals_are_met(bench, arm, q):

@@ -146,10 +146,11 @@ LEVERS = [
       -2.5700980365658532, 2.972203701880309),
      (-2.031168872545316, -3.4441043391234007, 3.506999247475223, -2.8833227933928995, -1.1877928351891787,
       0.005556711443524431, 3.0610092560255753),
-     (-2.50084504790819, -0.00010233904206887186, 1.9122675868985084, -9.996754555367906e-05, -0.03073978660436991,
-      -2.5700980365658532, 2.972210318291371)),
+     (-2.5008457642493895, -0.00010233881352805435, 1.9122624115975984, -9.996752736886806e-05,
+      -0.030733895505349242, -2.5700980365658532, 2.972210317645688)),
 ]  # fmt: skip
-"""The same, of postures where an error of 1e-12 m, or a joint 1e-9 rad beside its limit, is worth 1e-4 rad or more."""
+"""The same, of postures where an error of 1e-12 m, or a joint 1e-9 rad beside its limit, is worth 1e-4 rad or more; the
+last one is closed with 40 digits, since one of 3e-15 is worth 3e-6 rad there."""
 
 ELSEWHERE = [
     ("random_near", 52200001, 6,
@@ -180,10 +181,18 @@ ELSEWHERE = [
       1.05926781303139, 3.826044883956513),
      (-1.669731783036523, 0.0, -1.33063989847887, 0.00198269451478561, -2.29119887027784, 2.8109759224120023,
       4.693913166270736)),
+    ("random_rounded", 99100001, 97,
+     (1.1377832703322213, 1.6947147481092286, -3.43736792722552, -3.0369013045564013, -4.491982969856736, -0.0001,
+      4.424244137691678),
+     (-0.11856493014807601, 4.236860769019444, 0.38807228967272245, -1.5453968875823636, 1.451629158812528,
+      2.253207307326316, -2.0639661517475334),
+     (-1.8135818448122834, 4.333663109287814, -1.5882496686263776, -3.0369013045564013, 0.9163746660813274,
+      -0.44299733127534024, -2.292768954985959)),
 ]  # fmt: skip
 """The same, of postures that are nearer elsewhere: on a small closed curve to whose centre 13 steps lead, with joint 7,
 beyond a limit but for rounding, a turn away, in an interval of 4e-5 rad, where the reaches of shoulder and wrist end,
-and where joints 5 and 7 come to limits in turns that other postures do not have."""
+where joints 5 and 7 come to limits in turns that other postures do not have, and where an elbow that moves by 1e-8 rad
+along its curve leaves a limit."""
 
 FARTHER_INSIDE = (
     (0, (2.8883971832896487, 1e-10, -3.1655901855809496, -2.4773068477198968e-08, 0.4426132107692151, 1e-10,
@@ -342,7 +351,9 @@ def test_steps_go_on_where_what_is_left_of_an_error_is_worth_far_more(judges, ca
 
 
 @pytest.mark.parametrize(
-    "case", ELSEWHERE, ids=["small curve", "another turn", "narrow interval", "one posture of its turns"]
+    "case",
+    ELSEWHERE,
+    ids=["small curve", "another turn", "narrow interval", "one posture of its turns", "an elbow that hardly moves"],
 )
 def test_nearer_postures_that_few_steps_or_rounding_hide_are_found(judges, case):
     assert_is_no_farther(judges, case)

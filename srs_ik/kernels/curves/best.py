@@ -10,11 +10,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way, with_joint
+from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.newton import closed_better
 from srs_ik.kernels.chain.starts import width_of_splits
-from srs_ik.kernels.curves.ends import on_curve
-from srs_ik.kernels.curves.follow import meet
+from srs_ik.kernels.curves.ends import EDGE_STEPS, on_curve
+from srs_ik.kernels.curves.follow import between, meet
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.lowest import close_in_on, cost_at, cost_of_turn, hope, rate_of_cost
 from srs_ik.kernels.curves.runs import near_runs, samples_of
@@ -24,7 +25,7 @@ from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, UPPER
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_on_border
-from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -50,6 +51,30 @@ def put_on_bounds(P, q):
 
 
 @kernel
+def where_passed(P, by, ends, j, bound, ahead):
+    """The posture between two of a curve where a joint passes an angle on its way, so far ahead of the first of them.
+
+    And whether it is met. A joint that hardly moves along the curve, as the elbow of a limb that is almost exact, is
+    moved more by the steps to it: Newton's method for pose and joint at once does not come to such a posture.
+    """
+    a, b = ends
+    q, _, met = meet(P, by, ends, a, j, a[j] + ahead)
+    if met:
+        return q, True
+    start, end, side = (a, NO_SEED), (b, NO_SEED), -1.0 if ahead < 0.0 else 1.0
+    passed = start_crossing(0.0, -abs(ahead), 1.0, -side * short_way(bound - b[j]))
+    for _ in range(EDGE_STEPS):
+        if has_settled(passed):
+            break
+        share = next_parameter(passed)
+        q, met = between(P, by, start, end, share)
+        if not met:
+            return q, False
+        passed = tell_figure(passed, share, -side * short_way(bound - q[j]))
+    return between(P, by, start, end, passed[0])
+
+
+@kernel
 def best_at_bounds(P, by, ends, goal, best):
     """The better of the best posture so far and those between two samples where another turn of a joint begins or ends.
 
@@ -64,7 +89,7 @@ def best_at_bounds(P, by, ends, goal, best):
             continue
         way, ahead = short_way(b[j] - a[j]), short_way(bound - a[j])
         if ahead * way > 0.0 and abs(ahead) < abs(way):
-            q, _, met = meet(P, by, (a, b), a, j, a[j] + ahead)
+            q, met = where_passed(P, by, ends, j, bound, ahead)
             if met:
                 q, value = cost_of_turn(P, put_on_bounds(P, with_joint(q, j, bound)), goal)
                 if value < best.cost:

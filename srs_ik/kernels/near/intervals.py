@@ -14,6 +14,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.best import best_on
+from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import CURVE, follow_through, tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE
 from srs_ik.kernels.curves.outreach import EVERY_PAIR, pairs_on_line
@@ -38,19 +39,38 @@ from srs_ik.kernels.near.second_attempts import stretched
 LOOKS = 2
 """So many parts of an interval are looked at the ends of, where nothing else tells a posture of it."""
 
+IN_BLUR = 1e-5
+WIDE = 1e-3
+"""On no more of a curve than the first, in its parameter, a span of more than the second, rad, may be one of blur: next
+to a straight elbow floats may meet two postures, and none between them."""
+
 TRACE = 1e-6
 """Limits farther out by this, rad, tell postures that rounding may have hidden: at a singular limit it is the root."""
 
 
 @kernel
-def write_spans(spans, n_spans, out):
-    """Write the arm angles of spans as intervals, branch after branch and sorted; return their number."""
-    n = 0
+def is_in_blur(P, by, curve, span):
+    """Whether a span is two postures between which its curve has none."""
+    if span[3] - span[2] > IN_BLUR or span[5] - span[4] < WIDE:
+        return False
+    _, off = on_curve(P, by, 0, curve, 0.5 * (span[2] + span[3]))
+    return off >= NO_BRANCH
+
+
+@kernel
+def write_spans(P, by, rows, runs, spans, out):
+    """Write the arm angles of the spans of runs as intervals, branch after branch and sorted; return their number."""
+    n_spans, n = find_spans(P, by, rows, runs, spans), 0
     for branch in range(8):
         first = n
         for i in range(n_spans):
-            if int(spans[i, 1]) == branch:
-                n = write_interval(out, first, n, branch, spans[i, 4], min(spans[i, 5], spans[i, 4] + TURN))
+            span = spans[i]
+            if int(span[1]) == branch:
+                if is_in_blur(P, by, samples_of(rows, runs[int(span[0])]), span):
+                    n = write_interval(out, first, n, branch, span[4], span[4])
+                    n = write_interval(out, first, n, branch, span[5], span[5])
+                else:
+                    n = write_interval(out, first, n, branch, span[4], min(span[5], span[4] + TURN))
         if n > first:
             n = join_touching(out, first, n)
     return n
@@ -62,8 +82,7 @@ def true_intervals(P, target, respect, out, J, A):
     runs = np.empty((MAX_RUNS, RUN))
     by = Setting(target, elbow_side(P, target.place, 0), respect, J, A)
     rows, _, k, _ = near_runs(P, by, runs)
-    spans = np.empty((MAX_SPANS, SPAN))
-    return write_spans(spans, find_spans(P, by, rows, runs[:k], spans), out)
+    return write_spans(P, by, rows, runs[:k], np.empty((MAX_SPANS, SPAN)), out)
 
 
 @kernel
@@ -96,7 +115,7 @@ def intervals_through(P, target, q, respect, out, J, A):
         if length > 1:
             curves[0, 0], curves[0, 1], curves[0, 2] = 0.0, length, 1.0 if closed else 0.0
             _, k = survey_curves(P, by, rows, curves, line, Runs(sampled, runs))
-            n = write_spans(spans, find_spans(P, by, sampled, runs[:k], spans), out)
+            n = write_spans(P, by, sampled, runs[:k], spans, out)
     if n == 0:
         psi = arm_angle(P, q, target.place[0], target.place[1])
         n = write_interval(out, 0, 0, branch_of(P, q), psi, psi)
