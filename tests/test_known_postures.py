@@ -1404,6 +1404,13 @@ def test_arm_angles_of_almost_flat_elbows_are_met(robot, seed, number, given):
     assert asked > 0
 
 
+def test_a_narrow_gap_that_all_bends_of_an_elbow_leave_is_in_no_interval(bench):
+    """Of 1.5e-3 rad, between what two bends tell: longer steps went over it."""
+    arm, _ = next(islice(subjects()["arms_of"]("random_leaning", 1000, 98400001), 66, None))
+    q = "2.0668795286884976 6.637447004745434e-07 3.0841731840117097 -1e-08 -2.0511851476045697"
+    assert_intervals_are_met(bench, arm, np.array(f"{q} 1.1883963542733033e-06 1.6383311312905082".split(), float))
+
+
 def test_a_posture_between_two_limits_is_in_an_interval_where_the_elbow_is_almost_folded(bench):
     """One joint comes in at the arm angle where another goes out; what was looked at was farther off than thought."""
     arm, _ = next(islice(subjects()["arms_of"]("random_rounded", 1000, 22100106), 65, None))

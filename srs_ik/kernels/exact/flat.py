@@ -47,10 +47,10 @@ SAME_BEND = 1e-11
 """Bends that differ by a smaller part of them are one."""
 
 NOTABLE = 2e-7
-LONGEST_STEP = 0.02
+GROWTH, LONGEST_STEP = 0.4, 0.02
 NARROW = 4.0 * NOTABLE
-"""Ends of intervals are looked for this closely, in steps up to the longest, rad; an interval narrower than the last is
-as good as one arm angle."""
+"""Ends of intervals are looked for this closely, in steps that grow with the way by this part of it, up to the longest,
+rad; an interval narrower than the last is as good as one arm angle."""
 
 HIDING = 1e-9
 """Limits that are so much farther out, rad, tell postures that rounding hides."""
@@ -160,19 +160,26 @@ def is_met(asked, psi):
 
 
 @kernel
+def walk_on(asked, psi, way, room):
+    """How far a branch goes on from an arm angle that is met, in growing steps: that, and where it does not, or room."""
+    good, bad = 0.0, NOTABLE
+    while bad < room and is_met(asked, psi + way * bad):
+        good, bad = bad, bad + min(GROWTH * bad, LONGEST_STEP)
+    return good, min(bad, room)
+
+
+@kernel
 def reach_on(asked, psi, way, room, beyond):
     """How far a branch goes on from an arm angle that is met, upwards (way 1.0) or downwards (-1.0): at most room, rad.
 
-    It is looked at in growing steps. `beyond` says whether the arm angle at the end of the room is met.
+    `beyond` says whether the arm angle at the end of the room is met: then a gap next to that is looked for from there.
     """
-    good, bad = 0.0, NOTABLE
-    while bad < room and is_met(asked, psi + way * bad):
-        good, bad = bad, bad + min(bad, LONGEST_STEP)
-    if bad >= room:
-        # A gap that is narrower than a step is one all the same where its middle is not met.
-        if beyond and is_met(asked, psi + way * 0.5 * (good + room)):
+    good, bad = walk_on(asked, psi, way, room)
+    if bad == room and beyond:
+        back, gap = walk_on(asked, psi + way * room, -way, room - good)
+        if room - gap <= good and is_met(asked, psi + way * 0.5 * (good + room - back)):
             return room
-        bad = room
+        bad = room - gap if room - gap > good else room - back
     while bad - good > NOTABLE:
         middle = 0.5 * (good + bad)
         if is_met(asked, psi + way * middle):
