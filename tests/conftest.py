@@ -2,6 +2,11 @@
 
 import os
 import random
+import runpy
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import arms
 import numpy as np
@@ -62,6 +67,8 @@ NUMBA = {
 }
 """Modules that have Numba compile kernels one by one."""
 
+BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
+
 _REAL = {*REAL, *arms.REAL}
 
 
@@ -85,6 +92,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.skip(reason="kernels are compiled ahead: SRS_IK_JIT=inner pytest -m numba"))
         if jit.AHEAD and item.get_closest_marker("jit"):
             item.add_marker(pytest.mark.skip(reason="entries are compiled ahead: SRS_IK_JIT=1 pytest -m jit"))
+
+
+@pytest.fixture(scope="module")
+def bench() -> Iterator[dict[str, Any]]:
+    """What `benchmarks/known.py` asks of known postures and of intervals."""
+    sys.path.insert(0, str(BENCHMARKS))
+    yield runpy.run_path(str(BENCHMARKS / "known.py"), run_name="known")
+    sys.path.remove(str(BENCHMARKS))
 
 
 @pytest.fixture(autouse=True)

@@ -5,7 +5,6 @@ in arcs as narrow as the lean.
 """
 
 import runpy
-import sys
 from itertools import islice
 from pathlib import Path
 
@@ -22,13 +21,6 @@ LEANS = [1e-11, 1e-9, 1e-7, 1e-6]
 
 SINGULAR = ((1,), (3,), (5,), (1, 3), (3, 5))
 """Joints that are singular together."""
-
-
-@pytest.fixture(scope="module")
-def bench():
-    sys.path.insert(0, str(BENCHMARKS))
-    yield runpy.run_path(str(BENCHMARKS / "known.py"), run_name="known")
-    sys.path.remove(str(BENCHMARKS))
 
 
 def leaning(lean, count, seed=3):

@@ -1,7 +1,5 @@
 """Exact arms unlike those of makers: ranges of turns or of none, ends at singular angles, odd axes and lengths."""
 
-import runpy
-import sys
 from itertools import islice
 from pathlib import Path
 
@@ -52,13 +50,6 @@ EQUAL = {
     "equal_free": lines((CONTINUOUS,) * 7, upper=400, fore=400),
 }
 """Links of one length."""
-
-
-@pytest.fixture(scope="module")
-def bench():
-    sys.path.insert(0, str(BENCHMARKS))
-    yield runpy.run_path(str(BENCHMARKS / "known.py"), run_name="known")
-    sys.path.remove(str(BENCHMARKS))
 
 
 @pytest.fixture(scope="module")

@@ -161,7 +161,7 @@ def is_met(asked, psi):
 
 @kernel
 def walk_on(asked, psi, way, room):
-    """How far a branch goes on from an arm angle that is met, in growing steps: that, and where it does not, or room."""
+    """How far a branch goes on from a met arm angle, in growing steps: that, and where it is not met, or the room."""
     good, bad = 0.0, NOTABLE
     while bad < room and is_met(asked, psi + way * bad):
         good, bad = bad, bad + min(GROWTH * bad, LONGEST_STEP)
