@@ -188,11 +188,18 @@ ELSEWHERE = [
       2.253207307326316, -2.0639661517475334),
      (-1.8135818448122834, 4.333663109287814, -1.5882496686263776, -3.0369013045564013, 0.9163746660813274,
       -0.44299733127534024, -2.292768954985959)),
+    ("random_rounded", 99300001, 30,
+     (3.644278964508418, 4.510104997287413, -1.4656686115732358, 3.141592668127239, -1.2756835629669645,
+      3.8304576041408973, -4.840531081908657),
+     (3.6275737093640723, 4.510104997297413, -1.4637727799682498, 3.1244161366315013, -1.2596345175297763,
+      3.822709656188526, -4.835970350027931),
+     (3.644278964508418, 4.510104997287413, -1.4656686115732358, 3.141592668127239, -1.2756835629669645,
+      3.8304576041408973, -4.840531081908657)),
 ]  # fmt: skip
 """The same, of postures that are nearer elsewhere: on a small closed curve to whose centre 13 steps lead, with joint 7,
 beyond a limit but for rounding, a turn away, in an interval of 4e-5 rad, where the reaches of shoulder and wrist end,
-where joints 5 and 7 come to limits in turns that other postures do not have, and where an elbow that moves by 1e-8 rad
-along its curve leaves a limit."""
+where joints 5 and 7 come to limits in turns that other postures do not have, where an elbow that moves by 1e-8 rad along
+its curve leaves a limit, and where a folded elbow leaves limits of three joints one posture."""
 
 FARTHER_INSIDE = (
     (0, (2.8883971832896487, 1e-10, -3.1655901855809496, -2.4773068477198968e-08, 0.4426132107692151, 1e-10,
@@ -353,7 +360,7 @@ def test_steps_go_on_where_what_is_left_of_an_error_is_worth_far_more(judges, ca
 @pytest.mark.parametrize(
     "case",
     ELSEWHERE,
-    ids=["small curve", "another turn", "narrow interval", "one posture of its turns", "an elbow that hardly moves"],
+    ids=["small curve", "another turn", "narrow interval", "one posture of its turns", "hardly moves", "three limits"],
 )
 def test_nearer_postures_that_few_steps_or_rounding_hide_are_found(judges, case):
     assert_is_no_farther(judges, case)

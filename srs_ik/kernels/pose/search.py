@@ -40,6 +40,7 @@ from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.at_angle import is_crowded, may_be_unsure_within
 from srs_ik.kernels.near.band import WIDER, band_of, is_well_bent, widest
 from srs_ik.kernels.near.many_singular import nearest_among_splits, try_from
+from srs_ik.kernels.near.second_attempts import may_be_on_line
 from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
 
 HARDLY_FARTHER = 1e-4
@@ -203,6 +204,9 @@ def search_beside(family, target, minimum, known, goal, J, A):
     `minimum` tells whether that is a local one. Returns q, branch, cost, and whether this is told, or only curves tell.
     """
     P = row(family, LIMITED)
+    if goal.respect and may_be_on_line(P, target.place):
+        # A straight elbow leaves limits of several joints one posture, which is found from the seed that it is next to.
+        known = try_from(P, goal.seed, target, goal, known, (J, A))
     known = nearest_among_splits(P, target, goal, known)
     if known[2] >= OUTSIDE:
         return known, True
