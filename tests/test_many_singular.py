@@ -198,8 +198,8 @@ ELSEWHERE = [
 ]  # fmt: skip
 """The same, of postures that are nearer elsewhere: on a small closed curve to whose centre 13 steps lead, with joint 7,
 beyond a limit but for rounding, a turn away, in an interval of 4e-5 rad, where the reaches of shoulder and wrist end,
-where joints 5 and 7 come to limits in turns that other postures do not have, where an elbow that moves by 1e-8 rad along
-its curve leaves a limit, and where a folded elbow leaves limits of three joints one posture."""
+where joints 5 and 7 come to limits in turns that other postures do not have, where an elbow that moves by 1e-8 rad
+along its curve leaves a limit, and where a folded elbow leaves limits of three joints one posture."""
 
 FARTHER_INSIDE = (
     (0, (2.8883971832896487, 1e-10, -3.1655901855809496, -2.4773068477198968e-08, 0.4426132107692151, 1e-10,
