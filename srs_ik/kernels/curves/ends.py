@@ -67,11 +67,14 @@ def inside_of_blur(P, by, q, blur):
 
 
 @kernel
-def closed_inside(P, by, q):
-    """The posture inside the limits that a pose has next to one barely outside them, and whether there is one."""
+def closed_inside(P, by, q, most):
+    """The posture inside the limits that a pose has next to one barely outside them, and whether there is one.
+
+    Up to an error of the pose, m or rad.
+    """
     q = clipped(P, turned(P, q, False, NO_SEED, True))
     q, error = close_gently(P, q, by.target.R, by.target.p, True, by.J, by.A)
-    return q, error < CLOSED
+    return q, error < most
 
 
 @kernel
@@ -85,7 +88,8 @@ def corner(P, by, q, off):
     t, sign = tangent_at(P, by, q)
     if sign != 0.0 and off > vagueness(by.J, t, by.A):
         return q, False
-    return closed_inside(P, by, q)
+    # By what rounding puts a third joint on its limit outside of that, the pose is missed.
+    return closed_inside(P, by, q, LEFT if sign != 0.0 else CLOSED)
 
 
 @kernel

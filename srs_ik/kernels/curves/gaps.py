@@ -12,6 +12,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.chain.newton import CLOSED
 from srs_ik.kernels.curves.ends import closed_inside, joint_beyond
 from srs_ik.kernels.curves.follow import between, put, way_at
 from srs_ik.kernels.curves.in_step import load_sample, share_of_chord
@@ -191,7 +192,7 @@ def turn_across(P, by, a, b, joint_end):
     q = turning_between(P, by, a, b, 1.0 if (end == 1) != outside else -1.0, j, UNTOLD)
     off = outside_of(P, j, end, turn_to_middle(P, j, q[j]))
     if outside and 0.0 < off < UNSURE:
-        q, met = closed_inside(P, by, q)
+        q, met = closed_inside(P, by, q, CLOSED)
         return q, met and share_of_chord(a, b, q) < 1.0
     return q, (off > 0.0) != outside
 
