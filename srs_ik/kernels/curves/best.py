@@ -10,12 +10,13 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way, with_joint
-from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.algebra.roots import SETTLED
 from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.newton import closed_better
 from srs_ik.kernels.chain.starts import width_of_splits
-from srs_ik.kernels.curves.ends import EDGE_STEPS, on_curve
-from srs_ik.kernels.curves.follow import between, meet
+from srs_ik.kernels.curves.ends import on_curve
+from srs_ik.kernels.curves.follow import meet
+from srs_ik.kernels.curves.gaps import pass_at
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.lowest import close_in_on, cost_at, cost_of_turn, hope, rate_of_cost
 from srs_ik.kernels.curves.runs import near_runs, samples_of
@@ -59,19 +60,9 @@ def where_passed(P, by, ends, j, bound, ahead):
     """
     a, b = ends
     q, _, met = meet(P, by, ends, a, j, a[j] + ahead)
-    if met:
-        return q, True
-    start, end, side = (a, NO_SEED), (b, NO_SEED), -1.0 if ahead < 0.0 else 1.0
-    passed = start_crossing(0.0, -abs(ahead), 1.0, -side * short_way(bound - b[j]))
-    for _ in range(EDGE_STEPS):
-        if has_settled(passed):
-            break
-        share = next_parameter(passed)
-        q, met = between(P, by, start, end, share)
-        if not met:
-            return q, False
-        passed = tell_figure(passed, share, -side * short_way(bound - q[j]))
-    return between(P, by, start, end, passed[0])
+    if not met:
+        q, _, met = pass_at(P, by, (a, NO_SEED), (b, NO_SEED), j, (bound, SETTLED))
+    return q, met
 
 
 @kernel
